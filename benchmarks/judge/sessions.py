@@ -1,5 +1,6 @@
 """The log of a session, played: whether its plans follow each other in one world, and no part is hit that they do not
-know.
+know. A part that is put on one that came on a stream goes into a slot of that which nothing was put into before, while
+the slot is in its window.
 
 The judge keeps a world of its own: where each part is by its sightings and by what the arm has done with it. A plan has
 to begin in the state in which the one before is left, in time, with the parts of that world where they are; and what it
@@ -23,12 +24,13 @@ from benchmarks.judge.motion import Motion, Phase
 from benchmarks.judge.poses import Document, Floats, Poses, pose_in, short, si
 from benchmarks.judge.product import as_si
 from benchmarks.judge.simulation import FASTEST_M_S, FINER, STEP_S, simulated
+from benchmarks.judge.slots_kept import PLACE_M, slots_kept
 from benchmarks.judge.solids import Solid, apart, gaps, middle, solid_of
 
 JUMPS = (1e-9, 1e-7, 1e-5)
 """Most by which q, q̇ and q̈ may differ where one plan follows another, SI."""
-PLACE_M, PLACE_RAD, SOON_S = 1e-6, 1e-6, 1e-9
-"""How exactly places and times of documents are the same."""
+PLACE_RAD, SOON_S = 1e-6, 1e-9
+"""How exactly yaws and times of documents are the same."""
 BEHIND_M = np.linspace(0.0, 1.0, 26)
 """How far behind the line parts are put that nobody has seen, m."""
 AHEAD_S = 60.0
@@ -65,6 +67,7 @@ class Sighting:
     known of it, m and rad, and its solid."""
 
     name: str
+    kind: str
     number: int
     clock_s: float
     seen_s: float
@@ -135,22 +138,23 @@ class Session:
         frame, inner = (seat_then if "at_s" in pose else seat)(cell.request, cell.frames, pose)
         off = {**kind.get("uncertainty", {}), **fields.get("uncertainty", {})}
         unknown = {key: float(si(off, key, 0.0)) for key in ("position", "vertical", "yaw")}
-        solid = self.solids[fields["kind"]] if "kind" in fields else solid_of(kind["shape"])
-        return Sighting(name, number, clock_s, float(pose.get("at_s", clock_s)), frame, inner, unknown, solid)
+        named = fields.get("kind", "")
+        seen_s, solid = float(pose.get("at_s", clock_s)), self.solids.get(named) or solid_of(kind["shape"])
+        return Sighting(name, named, number, clock_s, seen_s, frame, inner, unknown, solid)
 
 
 def broken_sessions(cell: Document, events: Sequence[Document], runs: int = 8) -> list[Violation]:
     """What is wrong with a session, by the calls of its log and its cell file; or with several, where each begins
     where the one before ends. Each plan is run so many times, with what is not known at its ends and at the worst
     corners that arrivals name."""
-    found, before = list[Violation](), None
+    found, before, used = list[Violation](), None, dict[tuple[str, str, int], str]()
     begins = [k for k, event in enumerate(events) if event["call"] == "session"]
     for begin, end in pairwise([*begins, len(events)]):
         session = Session(cell, events[begin:end])
         if before is not None:
             found += _follows(before.plans[-1], session.plans[0])
             found += beyond("start", "session", abs(session.plans[0].starts_s - before.ends_s), SOON_S, before.ends_s)
-        found += _broken_session(session, runs)
+        found += _broken_session(session, runs) + slots_kept(session, used)
         before = session
     return found
 

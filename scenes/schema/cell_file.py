@@ -55,17 +55,22 @@ class KindDocument(HandlingDefaults):
 
 
 class SlotsDocument(HandlingDefaults):
-    """A grid of places for parts, in a frame or relative to a body."""
+    """A grid of places for parts, in a frame, relative to a body, or on each part of a kind."""
 
-    at_most_one: ClassVar[tuple[Group, ...]] = (("frame", "body"),)
+    at_most_one: ClassVar[tuple[Group, ...]] = (
+        ("frame", "body", "kind"),
+        *[("kind", key) for key in ("contact_with", "exchange_s")],
+    )
 
     frame: Reference | None = None
     body: Reference | None = None
+    kind: Name | None = None
     at_m: Point = ORIGIN
     step_m: Point | None = None
     count: Annotated[list[Count], Field(min_length=3, max_length=3)] | None = None
     yaw_rad: Angle = 0.0
     contact_with: Annotated[list[Reference], Field(max_length=bounds.MAX_CONTACTS)] | None = None
+    exchange_s: Duration | None = None
 
 
 class CellDocument(Document):

@@ -52,7 +52,7 @@ class ArrivalsDocument(Document):
 
 
 class StreamDocument(Document):
-    """Parts that come on a conveyor."""
+    """Parts that come on a conveyor, to be picked or, without `to`, to be filled."""
 
     exactly_one: ClassVar[tuple[Group, ...]] = (("kind", "kinds"), ("every_s", "mean_s", "csv"))
     at_most_one: ClassVar[tuple[Group, ...]] = (
@@ -74,5 +74,5 @@ class StreamDocument(Document):
     lanes_m: Annotated[list[Coordinate], Field(min_length=1, max_length=MAX_LANES)] | None = None
     yaw_rad: Angles | None = None
     seen: SeenDocument
-    to: Name | Annotated[dict[Name, Name], Field(min_length=1, max_length=bounds.MAX_BODIES)]
+    to: Name | Annotated[dict[Name, Name], Field(min_length=1, max_length=bounds.MAX_BODIES)] | None = None
     window_m: Stretch

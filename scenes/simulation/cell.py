@@ -93,8 +93,8 @@ def simulated(document: Document) -> SimulatedCell:
         around = _around(kept)
         streams = streams_of(valid, around.frames, faults)
         faults.settle()
-        if not streams:
-            raise Refused("at least one stream: without parts there is nothing to simulate", "streams")
+        if all(stream.brings_carriers for stream in streams):
+            raise Refused("at least one stream of parts to pick: without it there is nothing to simulate", "streams")
         for i, body in enumerate(valid.bodies):
             for stream in streams:
                 if body.name == unseen_name(stream) or re.fullmatch(rf"{re.escape(stream.name)}-[0-9]+", body.name):

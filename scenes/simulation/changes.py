@@ -110,6 +110,8 @@ def _on_other_side(grid: str, cell: SimulatedCell, document: Document) -> Docume
     away = line[:, 0] - chooser.times.place_points[number, :, :many].mean(axis=1)
     shift_m = (2.0 * (away - along * (along @ away))).tolist()
     slots, values = document["slots"][grid], Document()
+    if "kind" in slots:
+        return {}
     carrier = slots.get("body")
     moved: list[tuple[str, Mapping[str, Any]]] = [(f"slots.{grid}", slots)] if carrier is None else []
     carriers = {*slots.get("contact_with", []), *([] if carrier is None else [carrier])}

@@ -6,7 +6,7 @@ import math
 import warnings
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -49,9 +49,9 @@ WINDOW = "window_m"
 @dataclass(frozen=True, eq=False)
 class Chooser:
     """Ranks the parts that may be next. `elbow`: the working mode in which the arm begins; None: the only one.
-    `lanes`: for each lane of the tables its stream and its y in the frame; `begins_s`: of each lane the time at which
-    its frame is where the cell has it. `grids`: names of the places of the tables, the refuge last; `counts`: how many
-    slots each grid has."""
+    `streams`: those of parts that are picked. `lanes`: for each lane of the tables its stream and its y in the frame;
+    `begins_s`: of each lane the time at which its frame is where the cell has it. `grids`: names of the places of the
+    tables, the refuge last; `counts`: how many slots each grid has."""
 
     rule: Rule
     times: Times
@@ -88,12 +88,12 @@ class Chooser:
         place: str | None,
         slot: int,
         q: Sequence[float],
-        filled: Mapping[str, int],
+        slots: Mapping[str, int],
         known: Sequence[tuple[str, ArrivingPart]],
     ) -> tuple[Choice, ...]:
         """The parts that are known, with the names of their streams, best first, for an arm with joints `q` that is
-        free at `now_s` after it has filled a slot of a grid (None: it is in the refuge, or near). `filled`: how many
-        slots of each grid are."""
+        free at `now_s` after it has filled a slot of a grid (None: it is in the refuge, or near). `slots`: the number,
+        from 0, of the next free one of each grid."""
         from assur.planner.selection.next_part import FreeArm, next_part
 
         mode = 0
@@ -101,9 +101,9 @@ class Chooser:
             mode = self.modes.index(int(self.robot.mode_of(np.array(q))))
         number = len(self.grids) - 1 if place is None else self.grids.index(place)
         way = 0.0 if place is None else float(self.point(place, slot))
-        slots = tuple(int(self.point(grid, filled.get(grid, 0))) for grid in self.grids[:-1])
+        points = [self.point(grid, slots.get(grid, 0)) for grid in self.grids[:-1]]
         rows = [self.known(stream, part) for stream, part in known]
-        return next_part(now_s, FreeArm(number, way, mode, (*slots, 0)), rows, self.times, self.rule)
+        return next_part(now_s, FreeArm(number, way, mode, (*points, 0)), rows, self.times, self.rule)
 
     def known(self, stream: str, part: ArrivingPart) -> KnownPart:
         """A part of a stream, as the tables have it."""
@@ -131,11 +131,13 @@ def chooser_of(
     if given is None:
         raise FaultError("a cell that has been checked has no robot")
     robot = given.robot
-    grids = tuple(dict.fromkeys(kind.to for stream in streams for kind in stream.kinds))
+    carriers = {kind.name: stream for stream in streams for kind in stream.kinds if stream.brings_carriers}
+    streams = [stream for stream in streams if not stream.brings_carriers]
+    grids = tuple(dict.fromkeys(kind.to for stream in streams for kind in stream.kinds if kind.to is not None))
     slots = {name: normal(cell.slots[name].document()) for name in grids}
     many = {name: math.prod(counts(slots[name])) for name in grids}
     lanes, lane_rows, begins = _lanes(cell, streams, around)
-    places = _places(cell, streams, slots, around, refuge)
+    places = _places(cell, streams, carriers, slots, around, refuge)
     terms, shares = _terms(cell, streams, slots, options, given), _shares(streams, lane_rows, grids)
     names = robot.modes
     if options.elbow not in (AUTO, KEEP, *names):
@@ -218,9 +220,14 @@ def _shares(streams: Sequence[Stream], lanes: Sequence[tuple[str, float]], grids
 
 
 def _places(
-    cell: CellDocument, streams: Sequence[Stream], slots: Mapping[str, Any], around: Surroundings, refuge: str
+    cell: CellDocument,
+    streams: Sequence[Stream],
+    carriers: Mapping[str, Stream],
+    slots: Mapping[str, Any],
+    around: Surroundings,
+    refuge: str,
 ) -> list[Place]:
-    """The slots of each grid as the tables have them, and the refuge."""
+    """The slots of each grid as the tables have them, and the refuge. `carriers`: the streams of kinds with slots."""
     from assur.planner.selection.times import Place
 
     found = []
@@ -229,14 +236,28 @@ def _places(
         kind = next(kind.name for stream in streams for kind in stream.kinds if kind.to == name)
         grasp = placed(cell.kinds[kind].grasp_m or [0.0, 0.0, 0.0], 0.0)
         points = range(many) if many <= MOST_POINTS else [k * many // MOST_POINTS for k in range(MOST_POINTS)]
+        own = [pose_of_slot(grid, 1 + k) for k in points]
         with within("slots", name):
-            poses = [_at_rest(pose_of_slot(grid, 1 + k), around).then(grasp) for k in points]
-        found.append(Place(laws.fixed(Pose()), tuple(poses)))
+            stream = carriers.get(grid.get("kind"))
+            poses = [_at_rest(each, around) if stream is None else _in_window(each, stream, around) for each in own]
+        found.append(Place(laws.fixed(Pose()), tuple(pose.then(grasp) for pose in poses)))
     with within("positions", refuge):
         stated = cell.positions[refuge].document()
         pose: Document = {key: stated[key] for key in ("frame", "body", "at_m", "yaw_rad") if key in stated}
         found.append(Place(laws.fixed(Pose()), (_at_rest(pose, around),)))
     return found
+
+
+def _in_window(slot: Mapping[str, Any], stream: Stream, around: Surroundings) -> Pose:
+    """A slot of a carrier in the world, in the middle of the window and of the lanes of its stream: the tables have no
+    places that come at any time."""
+    carrier = Pose(0.0, _middle(stream.offsets_m), stream.at_m[2], _middle(stream.yaw_rad))
+    on_it = replace(carrier.then(placed(slot["at_m"], slot["yaw_rad"])), x=_middle(stream.window_m))
+    return around.frames.laws[stream.frame].law.numbers.pose.then(on_it)
+
+
+def _middle(limits: tuple[float, float]) -> float:
+    return 0.5 * (limits[0] + limits[1])
 
 
 def _at_rest(place: Mapping[str, Any], around: Surroundings) -> Pose:
@@ -259,7 +280,7 @@ def _terms(
     """What all cycles have in common, of the kinds and slots on average."""
     from assur.planner.selection.times import CycleTerms
 
-    kinds = {kind.name: kind.to for stream in streams for kind in stream.kinds}
+    kinds = {kind.name: kind.to for stream in streams for kind in stream.kinds if kind.to is not None}
     picks, puts = list[tuple[float, float, float]](), list[tuple[float, float, float]]()
     for name, grid in kinds.items():
         own = normal(cell.kinds[name].document())

@@ -14,6 +14,7 @@ from assur.scenes.faults import fault
 from assur.scenes.session.recorded import RecordedCell
 from assur.scenes.session.session import RunningCell
 from assur.scenes.simulation.cell import SimulatedCell
+from assur.scenes.simulation.filling import PATIENCE_S, Filling, FreeSlot
 from assur.scenes.simulation.tally import Cycle, Tally
 from assur.scenes.streams.arrivals import ArrivingPart, arrivals
 
@@ -25,8 +26,6 @@ if TYPE_CHECKING:
     from assur.scenes.tasks.kept_cell import KeptCellFile
 
 Document = dict[str, Any]
-PATIENCE_S = 1.0
-"""A motion that would wait longer for its part is not committed yet: another part may be seen meanwhile."""
 RETRY_S = 0.5
 """After so long a part that could not be planned is tried again, s."""
 LONGEST_M = 5_000.0
@@ -41,6 +40,11 @@ class _Known:
 
     part: ArrivingPart
     number: int
+
+    @property
+    def grid(self) -> str:
+        """The slots to which it goes; none of a carrier."""
+        return self.part.kind.to or ""
 
 
 class Run:
@@ -66,13 +70,15 @@ class Run:
         self.session, self._since_s = _begun(cell, planning_ms, record), 0.0
         self._planning_ms, self._record = planning_ms, record
         self._coming = deque(each[-1] for each in sorted(coming, key=lambda each: each[:3]))
-        self._leaving: list[tuple[float, str]] = []
+        self._leaving: list[tuple[float, str, bool]] = []
+        """When a part is out of reach, or the exchange of a grid is over, s; its name; and whether it is a grid."""
         self._candidates: dict[str, _Known] = {}
-        self._lying: dict[str, list[str]] = {grid: [] for grid in cell.counts}
+        self._filling = Filling(cell)
         self._refused_s: dict[str, float] = {}
         self._taken: set[str] = set()
         self._cycle: Cycle | None = None
-        ends = [(each.part, cell.streams[each.number]) for each in self._coming]
+        picked = [each for each in self._coming if each.grid]
+        ends = [(each.part, cell.streams[each.number]) for each in picked]
         self.tally = Tally([(part.name, part.passes_s(of.window_m[1], of.speed_m_s)) for part, of in ends])
         self._stand()  # from now on standing is proved against what is not seen, too
 
@@ -94,7 +100,11 @@ class Run:
             refused = any(name in self._refused_s for name in self._candidates)
             self._wait("refused" if refused else "unseen" if self._candidates else "part", later_s)
             return
-        choices = self._ranked(free_s, ready)
+        ready, slots, slot_s = self._with_slots(free_s, ready)
+        if not ready:
+            self._wait("slot", min(later_s, slot_s))
+            return
+        choices = self._ranked(free_s, ready, slots)
         if not choices:
             self._wait("reach", later_s)
             return
@@ -102,11 +112,17 @@ class Run:
         if best_s > free_s + RETRY_S:
             self._wait("part", min(later_s, best_s))
             return
-        for choice in choices:
+        found = [(choice, *self._slot(choice)) for choice in choices]
+        if all(slot is None for _, slot, _ in found):
+            self._wait("slot", min(later_s, *[slot_s for _, _, slot_s in found]))
+            return
+        for choice, slot, _ in found:
+            if slot is None:
+                continue
             self._stand_ready()
-            made = self._proposed(self._transfer(choice))
+            made = self._proposed(self._transfer(choice, slot))
             if made.segment is not None:
-                self._commit(made, made.segment, choice)
+                self._commit(made, made.segment, choice, slot)
                 return
             answer = made.judged.answer
             self.tally.refused(str(answer["reason"]), str(answer["sentence"]), self.session.clock_s)
@@ -132,19 +148,35 @@ class Run:
                 later_s = min(later_s, clear_s)
         return found, later_s
 
-    def _ranked(self, free_s: float, ready: list[_Known]) -> tuple[Choice, ...]:
+    def _with_slots(self, free_s: float, ready: list[_Known]) -> tuple[list[_Known], dict[str, int], float]:
+        """The parts for which there is a slot if their cycles are as long as the mean one; the number of that slot in
+        each grid; and when there may be one for the others."""
+        ends_s, slots, later_s = free_s + self._cell.chooser.nominal_s, dict[str, int](), math.inf
+        for grid in dict.fromkeys(each.grid for each in ready):
+            slot, ready_s = self._filling.first(grid, self.session.clock_s, ends_s)
+            if slot is None:
+                later_s = min(later_s, ready_s)
+            else:
+                slots[grid] = slot.number
+        return [each for each in ready if each.grid in slots], slots, later_s
+
+    def _slot(self, choice: Choice) -> tuple[FreeSlot | None, float]:
+        """The slot for a part that is put down within a mean cycle after it is met; and when there may be one, if there
+        is none."""
+        ends_s = choice.meets_s + self._cell.chooser.nominal_s
+        return self._filling.first(self._candidates[choice.part].grid, self.session.clock_s, ends_s)
+
+    def _ranked(self, free_s: float, ready: list[_Known], slots: dict[str, int]) -> tuple[Choice, ...]:
         place, slot = None, 0
         if self._cycle is not None and free_s <= self._cycle.free_s:
             place, slot = self._cycle.grid, self._cycle.slot
         known = [(self._cell.streams[each.number].name, each.part) for each in ready]
         q = self.session.committed.at(free_s).state(free_s)[0].tolist()
-        filled = {grid: len(parts) for grid, parts in self._lying.items()}
-        return self._cell.chooser.ranked(free_s, place, slot, q, filled, known)
+        return self._cell.chooser.ranked(free_s, place, slot, q, slots, known)
 
-    def _transfer(self, choice: Choice) -> list[Document]:
-        each = self._candidates[choice.part]
-        window = list(self._cell.streams[each.number].window_m)
-        return [{"transfer": {"parts": [choice.part], "to": each.part.kind.to, "window_m": window}}]
+    def _transfer(self, choice: Choice, slot: FreeSlot) -> list[Document]:
+        window = list(self._cell.streams[self._candidates[choice.part].number].window_m)
+        return self._filling.steps(choice.part, window, slot)
 
     def _forget_missed(self, free_s: float) -> None:
         """Parts that have left their window are no longer candidates; they stay bodies while the arm reaches them."""
@@ -186,27 +218,24 @@ class Run:
         self.session.commit(made.number)
         self.tally.follows(segment)
 
-    def _commit(self, made: NextMotion, segment: Segment, choice: Choice) -> None:
+    def _commit(self, made: NextMotion, segment: Segment, choice: Choice, slot: FreeSlot) -> None:
         self._follow(made, segment)
-        each = self._candidates.pop(choice.part)
+        del self._candidates[choice.part]
         self._refused_s.pop(choice.part, None)
         self._taken.add(choice.part)
-        grid = each.part.kind.to
-        lying = self._lying[grid]
         picked, placed = segment.arrivals[:2]
         own = [leg for leg in segment.legs if leg.step == placed.step]
         begins_s = next(leg.t0 for leg in own if leg.kind in TRACKING)
         ends_s = begins_s if made.base_ends_s is None else made.base_ends_s
         free_s = max(ends_s, placed.until + segment.cell.scene.execution.start_tolerance_s)
-        self._cycle = Cycle(choice.part, grid, len(lying), made.starts_s, picked.until, placed.until, ends_s, free_s)
+        cycle = choice.part, slot.grid, slot.number, made.starts_s, picked.until, placed.until, ends_s, free_s
+        self._cycle = Cycle(*cycle)
         self.tally.cycles.append(self._cycle)
-        lying.append(choice.part)
-        full = len(lying) == self._cell.counts[grid]
-        self._to(min(max(placed.until if full else begins_s, self.session.clock_s), self._until_s))
-        if full and self.session.clock_s >= placed.until:
-            for name in lying:
-                self.session.gone(name)
-            self._lying[grid] = []
+        exchanged_s = self._filling.put(slot, choice.part, placed.until)
+        if exchanged_s is not None:
+            heapq.heappush(self._leaving, (exchanged_s, slot.grid, True))
+        decide_s = placed.until if exchanged_s == placed.until else begins_s
+        self._to(min(max(decide_s, self.session.clock_s), self._until_s))
 
     # The clock.
 
@@ -246,10 +275,23 @@ class Run:
         kept = self._cell.kept_from(self._since_s)
         self.session = _running(self._record, kept, start, self._cell.refuge, self._planning_ms)
         for part in listed["parts"]:
-            self.session.see(part["name"], {key: value for key, value in part.items() if key != "name"})
+            seen = {key: value for key, value in part.items() if key != "name"}
+            if "pose" in seen:
+                seen["pose"] = self._riding(seen["pose"], before)
+            self.session.see(part["name"], seen)
         self._stand()
         if self.session.committed.last.motion.start > before.proved_until_s:
             raise FaultError(f"at {before.proved_until_s:.6g} s standing in the refuge is no longer proved")
+
+    def _riding(self, pose: Document, before: RunningCell) -> Document:
+        """The pose of a part in a session `before`, with a time: that of the clock, if it has none and rides on the
+        conveyor of a stream, because it was put down in a slot there."""
+        speeds = {stream.frame: stream.speed_m_s for stream in self._cell.streams}
+        if pose.get("frame") not in speeds or "at_s" in pose:
+            return pose
+        (x, *rest), since_s = pose["at_m"], self._since_s
+        stated_s = before.committed.last.cell.scene.frames[pose["frame"]].law.numbers.at_time
+        return {**pose, "at_m": [x + speeds[pose["frame"]] * (since_s - stated_s), *rest], "at_s": since_s}
 
     def _stand(self) -> None:
         """Commits the way to the refuge alone. Raises `FaultError` where standing there is not proved."""
@@ -259,7 +301,7 @@ class Run:
         self._follow(made, made.segment)
 
     def _events(self, to_s: float) -> None:
-        """What happens up to a time: parts are seen, and others are out of reach of the arm."""
+        """What happens up to a time: parts are seen, others are out of reach of the arm, full grids are exchanged."""
         while True:
             seen_s = self._coming[0].part.known_s if self._coming else math.inf
             left_s = self._leaving[0][0] if self._leaving else math.inf
@@ -269,21 +311,31 @@ class Run:
                 self._see(self._coming.popleft())
             else:
                 self.session.advance(max(left_s, self.session.clock_s))
-                _, name = heapq.heappop(self._leaving)
-                if name in self._taken:
-                    self._taken.remove(name)
-                else:
-                    self._candidates.pop(name, None)
-                    self.session.gone(name)
+                _, name, is_grid = heapq.heappop(self._leaving)
+                for part in self._filling.exchanged(name) if is_grid else self._left(name):
+                    self.session.gone(part)
         self.session.advance(to_s)
+
+    def _left(self, name: str) -> list[str]:
+        """What leaves where a part of a stream is out of reach: itself, if it was not picked, and the parts in its
+        slots."""
+        if name in self._taken:
+            self._taken.remove(name)
+            return []
+        self._candidates.pop(name, None)
+        return [name, *self._filling.leaves(name)]
 
     def _see(self, each: _Known) -> None:
         part, stream = each.part, self._cell.streams[each.number]
         self.session.advance(max(part.known_s, self.session.clock_s))
         pose = {"frame": stream.frame, "at_m": [stream.seen_m, part.y_m, stream.at_m[2]], "yaw_rad": part.yaw_rad}
         self.session.see(part.name, {"kind": part.kind.name, "pose": {**pose, "at_s": part.seen_s}})
-        self._candidates[part.name] = each
-        heapq.heappush(self._leaving, (part.passes_s(self._cell.leaves_m[each.number], stream.speed_m_s), part.name))
+        if stream.brings_carriers:
+            self._filling.comes(part, each.number)
+        else:
+            self._candidates[part.name] = each
+        leaves_s = part.passes_s(self._cell.leaves_m[each.number], stream.speed_m_s)
+        heapq.heappush(self._leaving, (leaves_s, part.name, False))
 
 
 def _running(

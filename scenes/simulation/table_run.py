@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from assur.scenes.simulation.cell import SimulatedCell
-from assur.scenes.simulation.run import PATIENCE_S, RETRY_S
+from assur.scenes.simulation.filling import PATIENCE_S
+from assur.scenes.simulation.run import RETRY_S
 from assur.scenes.streams.arrivals import arrivals
 
 if TYPE_CHECKING:
@@ -24,7 +25,8 @@ def table_rate(cell: SimulatedCell, seed: int, until_s: float, planning_ms: floa
 
     chooser, planning_s, now_s, placed = cell.chooser, planning_ms / 1e3, 0.0, 0
     times, refuge, ride_s = chooser.times, len(chooser.grids) - 1, float(chooser.times.rides[0, c.RIDE_PLACE])
-    parts = [(part, number) for number, stream in enumerate(cell.streams) for part in arrivals(stream, seed, until_s)]
+    streams = [(number, stream) for number, stream in enumerate(cell.streams) if not stream.brings_carriers]
+    parts = [(part, number) for number, stream in streams for part in arrivals(stream, seed, until_s)]
     coming = deque(
         (part.known_s, max(part.known_s, cell.clear_s(number, part)), chooser.known(cell.streams[number].name, part))
         for part, number in sorted(parts, key=lambda each: each[0].known_s)

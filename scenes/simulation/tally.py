@@ -17,9 +17,11 @@ from assur.scenes.simulation.leg_times import LegTimes
 if TYPE_CHECKING:
     from assur.scenes.session.committed import Segment
 
-WAITS = ("part", "unseen", "bodies", "reach", "refused", "planning")
-"""What the arm waits for: a part; a part that is still too near to what is not seen; bodies that have to pass; a part
-within its reach; a plan, for none was possible; the end of planning."""
+WAITS = ("part", "slot", "unseen", "bodies", "reach", "refused", "planning")
+"""What the arm waits for: a part; a free slot; a part that is still too near to what is not seen; bodies that have to
+pass; a part within its reach; a plan, for none was possible; the end of planning."""
+PLACE = 1
+"""The step of a motion that puts the part down, behind the one that picks it."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +84,8 @@ class ExecutedMotions:
         for leg in segment.legs:
             if leg.kind is LegKind.WAIT and leg.step != last:
                 for_bodies = leg.route is not None and leg.route.course is Course.FOR_BODIES
-                self.waits["bodies" if for_bodies else "part"] += max(0.0, min(leg.t1, until_s) - leg.t0)
+                reason = "bodies" if for_bodies else "slot" if leg.step == PLACE else "part"
+                self.waits[reason] += max(0.0, min(leg.t1, until_s) - leg.t0)
         self.legs.add_segment(segment, until_s)
         for arrival in segment.arrivals:
             if arrival.until <= until_s and arrival.error and isinstance(segment.cell.scene.task[arrival.step], Pick):

@@ -9,6 +9,7 @@ from typing import Any
 Document = dict[str, Any]
 WAITS_FOR = {
     "part": "a part",
+    "slot": "a free slot",
     "unseen": "a part to be clear of what is not seen yet",
     "bodies": "bodies to pass",
     "reach": "a part that it can reach in its window",

@@ -12,6 +12,7 @@ from assur.scenes.faults import Gathered, Refused, choices
 from assur.scenes.reading import bodies
 from assur.scenes.schema.cell_file import CellDocument
 from assur.scenes.schema.streams import StreamDocument
+from assur.scenes.streams.carriers import check_brought, filled, shares_of, slots_for
 from assur.scenes.streams.table import Row, rows_of
 
 if TYPE_CHECKING:
@@ -27,13 +28,13 @@ LONGEST_NAME = 48
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of parts of a stream: its share of all parts, the slots to which it goes, its greatest horizontal distance
-    from its origin and its lowest and highest z, m; by how much any of its points may be off horizontally
-    and vertically, m."""
+    """A kind of parts of a stream: its share of all parts, the slots to which it goes (None: it is a carrier, which has
+    slots), its greatest horizontal distance from its origin and its lowest and highest z, m; by how much any of its
+    points may be off horizontally and vertically, m. Of a carrier these are distances with all of its slots filled."""
 
     name: str
     share: float
-    to: str
+    to: str | None
     radius_m: float
     heights_m: Range
     off_m: float
@@ -68,6 +69,11 @@ class Stream:
     count: int
     apart_s: float
     rows: tuple[Row, ...] | None
+
+    @property
+    def brings_carriers(self) -> bool:
+        """Whether its parts have slots: they are filled, and not picked."""
+        return self.kinds[0].to is None
 
     @property
     def radius_m(self) -> float:
@@ -115,6 +121,8 @@ def _stream(name: str, item: StreamDocument, cell: CellDocument, frames: Frames,
         raise Refused(f"a name of up to {LONGEST_NAME} characters: its parts have this name and a number")
     speed = _speed(item.frame, frames)
     kinds = _kinds(item, cell, solids)
+    if kinds[0].to is None and frames.laws[item.frame].uncertainty.speed_m_s > 0.0:
+        raise Refused("a conveyor whose speed is certain, for parts with slots: places on them are known then", "frame")
     rows = None if item.csv is None else rows_of(item.csv, tuple(kind.name for kind in kinds))
     if item.lane_m is not None:
         _ordered("lane_m", item.lane_m)
@@ -161,22 +169,29 @@ def _speed(name: str, frames: Frames) -> float:
 
 
 def _kinds(item: StreamDocument, cell: CellDocument, solids: Mapping[str, Body]) -> tuple[Kind, ...]:
-    shares = {item.kind: 1.0} if item.kind is not None else dict(item.kinds or {})
+    shares = shares_of(item)
+    carriers = {grid.kind: name for name, grid in cell.slots.items()}
     found = []
     for name, share in shares.items():
         at = ("kind",) if item.kind is not None else ("kinds", name)
         if name not in cell.kinds:
             raise Refused(f"one of the kinds: {choices(cell.kinds, str(name))}", *at)
-        own = isinstance(item.to, str)
-        to = item.to if isinstance(item.to, str) else item.to.get(name)
-        where = ("to",) if own or to is None else ("to", name)
-        if to is None or to not in cell.slots:
+        to = slots_for(name, item)
+        where = ("to", name) if isinstance(item.to, dict) and to is not None else ("to",)
+        if name in carriers:
+            if item.to is not None:
+                own = f"{name} has slots ({carriers[name]}), so it is filled and not picked"
+                raise Refused(f"none: {own}, and it comes in a stream without other kinds", *where)
+        elif to is None or to not in cell.slots:
             raise Refused(f"slots for {name}: {choices(cell.slots, str(to))}", *where)
+        elif cell.slots[to].kind is not None:
+            check_brought(to, cell, where)
         if name not in solids:
             continue  # its shape has a fault of its own
-        solid, off = solids[name], cell.kinds[name].uncertainty
-        off_m = off.position_m + solid.radius * off.yaw_rad
-        found.append(Kind(name, share, to, solid.radius, solid.heights, off_m, off.vertical_m))
+        off = cell.kinds[name].uncertainty
+        radius_m, heights_m = filled(name, cell, solids)
+        off_m = off.position_m + radius_m * off.yaw_rad
+        found.append(Kind(name, share, to, radius_m, heights_m, off_m, off.vertical_m))
     if isinstance(item.to, dict):
         for name in item.to.keys() - shares.keys():
             raise Refused(f"kinds of this stream: {', '.join(map(str, shares))}", "to", name)

@@ -17,6 +17,7 @@ from assur.scenes.tasks.joining import CellFile, joined
 from assur.scenes.tasks.origins import OF_TASK, Joined
 
 if TYPE_CHECKING:
+    from assur.planner.geometry.shapes import Body
     from assur.scenes.reading.cell import Depends, Kept, Surroundings
 
 STATED_BY_CELL = ("robot", "frames", "bodies", "neighbours", "execution", "carry")
@@ -47,13 +48,19 @@ class KeptCellFile:
         the fields of the cell."""
         from assur.scenes.reading import bodies
         from assur.scenes.reading.cell import around, start_of_drift
+        from assur.scenes.streams.carriers import check_on_kind
 
         cell, faults = self.file.valid, Gathered()
         with located(self.file.written):
             made = around(self.alone, (None, start_of_drift(self.alone, 0.0)), faults)
+            solids: dict[str, Body] = {}
             for name, kind in cell.kinds.items():
                 with faults.part("kinds", name):
-                    bodies.solid(name, kind.shape)
+                    solids[name] = bodies.solid(name, kind.shape)
+            for name, grid in cell.slots.items():
+                if grid.kind is not None:
+                    with faults.part("slots", name):
+                        check_on_kind(grid, cell, solids)
             for key, poses in (("positions", cell.positions), ("slots", cell.slots)):
                 for name, pose in poses.items():
                     with faults.part(key, name):

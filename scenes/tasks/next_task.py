@@ -371,7 +371,8 @@ def _slots(cell: Document, end: EndState, seen: Collection[str]) -> dict[tuple[o
         return name not in seen and ("body" not in pose or stays(pose["body"]))
 
     found: dict[tuple[object, ...], Document] = {}
-    grids = {name: grid for name, grid in cell.get("slots", {}).items() if math.prod(counts(grid)) <= MAX_SLOTS}
+    every = cell.get("slots", {}).items()
+    grids = {name: grid for name, grid in every if "kind" not in grid and math.prod(counts(grid)) <= MAX_SLOTS}
     for grid, number, written in slot_poses(
         {name: grid for name, grid in grids.items() if "body" not in grid or stays(grid["body"])}
     ):

@@ -163,6 +163,10 @@ class RequestOfTask:
             return Unread()
         if isinstance(self.grids[grid], Unread):
             return Unread()
+        if "kind" in self.grids[grid]:
+            allowed = "slots in a frame or relative to a body: those on a kind come with its parts, in `assur simulate`"
+            self.faults.add(Refused(allowed), *where)
+            return Unread()
         most = math.prod(counts(self.grids[grid]))
         if not (isinstance(number, int) and not isinstance(number, bool) and 1 <= number <= most):
             self.faults.add(Refused(f"the number of a slot, 1 to {most}"), *where, grid)

@@ -158,7 +158,7 @@ def test_a_log_that_does_not_give_the_same_is_refused(tmp_path: Path) -> None:
 
 
 def test_the_shipped_cells_are_those_with_streams() -> None:
-    assert shipped_cells() == ("soap-flow",)
+    assert shipped_cells() == ("soap-flow", "tray-flow")
 
 
 def test_what_would_help_is_printed_and_on_the_page_and_each_change_can_be_set(tmp_path: Path) -> None:
