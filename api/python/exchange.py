@@ -43,8 +43,8 @@ class Health:
 @dataclass(frozen=True)
 class Exchange(Generic[T]):
     """A request of HTTP, and what is made of the document that answers it. `accepted`: further kinds of problem that
-    are answers, too. `streamed`: the answer is no document, but events until a job has ended, of which nothing is
-    read."""
+    are answers, too. `streamed`: the answer is no document, but a stream of events that ends with a job; its content is
+    not needed."""
 
     method: Literal["GET", "POST", "PUT", "DELETE"]
     path: str
