@@ -64,7 +64,7 @@ def run() -> Recorded:
 def filled(done: Recorded) -> Iterator[tuple[str, str, tuple[float, ...]]]:
     """The parts that motions put down on carriers, the carriers, and the places on them."""
     for _, made in done.committed:
-        for step in made.request["task"]:
+        for step in made.judged.request["task"]:
             to = step.get("place", {}).get("to", {})
             if "body" in to:
                 yield step["place"]["part"], to["body"], tuple(to["at_m"])
@@ -129,7 +129,8 @@ def test_without_a_free_slot_the_arm_waits_for_one() -> None:
 
 def test_an_arm_that_stands_with_a_part_waits_for_its_slot() -> None:
     legs = [SimpleNamespace(kind=LegKind.WAIT, step=k, t0=k, t1=k + 0.5, route=None) for k in range(3)]
-    motion: Any = SimpleNamespace(legs=legs, starts_s=0.0, cell=SimpleNamespace(scene=SimpleNamespace(task=(1, 2, 3))))
+    cell_of = SimpleNamespace(scene=SimpleNamespace(task=(1, 2, 3)))
+    motion: Any = SimpleNamespace(legs=legs, arrivals=(), of_legs=((), None, None), starts_s=0.0, cell=cell_of)
     tally = Tally([])
     tally.follows(motion)
     assert tally.figures(9.0)["waiting_s"] == {"part": 0.5, "slot": 0.5, "planning": 9.0}
@@ -166,9 +167,9 @@ def test_a_full_grid_at_rest_is_exchanged_in_the_time_that_is_stated() -> None:
     full_s = cycles[3].placed_s
     for proposed_s, made in done.committed:  # until then the parts are bodies that nothing may hit
         if full_s < proposed_s < full_s + 4.0:
-            assert {cycle.part for cycle in cycles[:4]} <= {body["name"] for body in made.request["bodies"]}
+            assert {cycle.part for cycle in cycles[:4]} <= {body["name"] for body in made.judged.request["bodies"]}
         if proposed_s >= full_s + 4.0:
-            assert not {cycle.part for cycle in cycles[:4]} & {body["name"] for body in made.request["bodies"]}
+            assert not {cycle.part for cycle in cycles[:4]} & {body["name"] for body in made.judged.request["bodies"]}
     assert done.tally.figures(24.0)["waiting_s"]["slot"] > 2.0
 
 
