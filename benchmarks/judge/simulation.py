@@ -22,7 +22,7 @@ from benchmarks.judge.stages import Pair, Stage, stages
 STEP_S = 2e-3
 """Time between two instants at which all pairs are evaluated."""
 COARSER = 8
-"""Every so many instants a pair is looked at first; where it is far apart then, it is so between."""
+"""Every so many instants the distance of a pair is bounded first; a pair that is far apart then is so between, too."""
 FINER = 20
 """Number of parts of a step that are evaluated where a pair is so near that a collision between may be missed."""
 FASTEST_M_S = 5.0

@@ -13,7 +13,7 @@ from typing import Literal
 
 from assur.planner.errors import InputError
 from assur.planner.laws.law import Frame
-from assur.planner.model.task import Move, Step
+from assur.planner.model.task import Move, Step, key_of
 
 LEAST_ACCELERATION_TIME_S = 2e-3
 """s. Shorter blends cannot be written: over 2 ms, rounding of positions costs 1e-8 rad/s² of acceleration."""
@@ -122,7 +122,7 @@ def check_timing(options: Options, task: tuple[Step, ...], frames: Mapping[str, 
     if options.end != "rest":
         raise InputError("options.end", options.end, f"rest {blended}")
     for i, step in enumerate(task):
-        field = f"task[{i}].{type(step).__name__.lower()}"
+        field = f"task[{i}].{key_of(step)}"
         if not isinstance(step, Move):
             raise InputError(field, step.name, f"moves only {blended}: poses are missed, accelerations jump")
         if step.leg != "joint":

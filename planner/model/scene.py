@@ -20,7 +20,20 @@ from assur.planner.model.load import UNKNOWN, Load, LoadLimits, Tool, greatest_i
 from assur.planner.model.options import DEFAULTS, Clearance, ClearanceException, Options, check_timing
 from assur.planner.model.refusal import BeyondRange
 from assur.planner.model.step_faults import wrong
-from assur.planner.model.task import Arch, Follow, Match, Move, Pick, Place, Step, Target, Trace, Window, is_taken_away
+from assur.planner.model.task import (
+    Arch,
+    Follow,
+    Match,
+    Move,
+    Pick,
+    Place,
+    Step,
+    Target,
+    Trace,
+    Window,
+    is_taken_away,
+    key_of,
+)
 from assur.planner.robots.facts import Limits, lowered
 from assur.planner.robots.robot import Robot
 from assur.planner.robots.turns import nearest_turns
@@ -172,7 +185,7 @@ class Scene:
         held, gone = None if holding is None else holding.part, set[str]()
         for i, step in enumerate(self.task):
             for where, value, allowed in wrong(self, step, held, gone):
-                raise InputError(f"task[{i}].{type(step).__name__.lower()}{where}", value, allowed)
+                raise InputError(f"task[{i}].{key_of(step)}{where}", value, allowed)
             held = step.part if isinstance(step, Pick) else None if isinstance(step, Place) else held
             if is_taken_away(step):
                 gone.add(step.part)

@@ -255,6 +255,11 @@ class Place:
         return self.to
 
 
+def key_of(step: Step) -> str:
+    """The kind of a step, as a task names it: ``pick``, ``place``, ``move``, ``follow`` or ``trace``."""
+    return type(step).__name__.lower()
+
+
 def is_taken_away(step: Step) -> TypeGuard[Place]:
     """Whether a step is a place whose part is taken away."""
     return isinstance(step, Place) and step.gone_after_s is not None

@@ -8,6 +8,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from assur.planner.model.outcome import LegKind
+from assur.planner.model.task import key_of
 
 if TYPE_CHECKING:
     from assur.scenes.session.committed import Segment
@@ -58,7 +59,7 @@ class LegTimes:
         task, limits = segment.cell.scene.task, _binding_limits(segment, until_s)
         for leg in segment.legs:
             if leg.t0 < until_s:
-                step, lasts_s = type(task[leg.step]).__name__.lower(), min(leg.t1, until_s) - leg.t0
+                step, lasts_s = key_of(task[leg.step]), min(leg.t1, until_s) - leg.t0
                 self.add_leg(leg.kind, step, leg.step == len(task) - 1, lasts_s, limits.get(leg.t0, ""))
 
     def rows(self, lasts_s: float) -> list[Document]:

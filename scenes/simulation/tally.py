@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, overload
 
 from assur.planner.model.outcome import Course, LegKind
-from assur.planner.model.task import Pick
+from assur.planner.model.task import key_of
 from assur.scenes.session.executed import worst
 from assur.scenes.simulation.leg_times import LegTimes
 
@@ -80,15 +80,15 @@ class ExecutedMotions:
 
     def add(self, segment: Segment, until_s: float) -> None:
         """Adds a motion that was executed until a time, s."""
-        last = len(segment.cell.scene.task) - 1
+        task = segment.cell.scene.task
         for leg in segment.legs:
-            if leg.kind is LegKind.WAIT and leg.step != last:
+            if leg.kind is LegKind.WAIT and leg.step != len(task) - 1:
                 for_bodies = leg.route is not None and leg.route.course is Course.FOR_BODIES
                 reason = "bodies" if for_bodies else "slot" if leg.step == PLACE else "part"
                 self.waits[reason] += max(0.0, min(leg.t1, until_s) - leg.t0)
         self.legs.add_segment(segment, until_s)
         for arrival in segment.arrivals:
-            if arrival.until <= until_s and arrival.error and isinstance(segment.cell.scene.task[arrival.step], Pick):
+            if arrival.until <= until_s and arrival.error and key_of(task[arrival.step]) == "pick":
                 error = {"position_m": arrival.error.position_m, "yaw_rad": arrival.error.within.yaw_rad}
                 self.worst_pick_error = worst((self.worst_pick_error, error))
 
