@@ -374,10 +374,10 @@ FRAMES: Document = {"turn": {"turntable": {"rate_deg_s": 10}}, **copy.deepcopy(_
             {}, {"frames": FRAMES, "positions": {"home": {"frame": "turn", "at_mm": [350, 0, 100]}}},
             "positions.home.frame", "at rest",
         ),
-        ({}, {"slots": {"box": {"at_mm": [900, -235, 65]}}}, "slots.box", "number 1 is out of its reach"),
+        ({}, {"slots": {"box": {"at_mm": [900, -235, 65]}}}, "slots.box.at_mm", "number 1 is out of its reach"),
         (
             {}, {"slots": {"box": {"at_mm": [255, -235, 65], "step_mm": [400, 0, 0], "count": [3, 1, 1]}}},
-            "slots.box", "number 2 is out of its reach",
+            "slots.box.at_mm", "number 2 is out of its reach",
         ),
         ({}, {"frames": FRAMES, "slots": {"box": {"frame": "turn"}}}, "slots.box.frame", "at rest"),
         ({"window_mm": [800, 900]}, {}, "streams.soap.window_mm", "that the arm reaches"),
