@@ -169,7 +169,7 @@ class Service:
             question = simulation_jobs.question_in(body, with_cell=digest is None)
             own, most = question.arguments, self.settings.max_simulated_minutes
             if own.minutes * own.seeds > most:
-                allowed = f"at most {most / own.seeds:g} with {own.seeds} seeds: ASSUR_MAX_SIMULATED_MINUTES is {most}"
+                allowed = f"at most {most / own.seeds:g} with seeds {own.seeds}: ASSUR_MAX_SIMULATED_MINUTES is {most}"
                 raise InputError("minutes", own.minutes, allowed)
         except InputError as error:
             raise Problem.of_input(error) from error

@@ -24,7 +24,7 @@ from benchmarks.judge.motion import Motion, Phase
 from benchmarks.judge.poses import Document, Floats, Poses, pose_in, short, si
 from benchmarks.judge.product import as_si
 from benchmarks.judge.simulation import FASTEST_M_S, FINER, STEP_S, simulated
-from benchmarks.judge.slots_kept import PLACE_M, slots_kept
+from benchmarks.judge.slots_kept import PLACE_M, slots_kept, slots_of
 from benchmarks.judge.solids import Solid, apart, gaps, middle, solid_of
 
 JUMPS = (1e-9, 1e-7, 1e-5)
@@ -132,8 +132,17 @@ class Session:
 
     def _sighting(self, number: int, name: str, fields: Document, clock_s: float) -> Sighting:
         cell, kind = self.plans[0].cell, self.document["kinds"][fields["kind"]] if "kind" in fields else fields
-        pose = {key: value for key, value in fields["pose"].items() if key in ("frame", "at_s")}
-        there = pose_in(fields["pose"])
+        stated = fields.get("pose", {})
+        pose = {key: value for key, value in stated.items() if key in ("frame", "at_s")}
+        there = pose_in(stated)
+        if "slot" in fields:
+            ((grid, counted),) = fields["slot"].items()
+            there, of = [*slots_of(self.document["slots"][grid])][counted - 1], self.document["slots"][grid]
+            while "body" in of:
+                name_of_body = of["body"]
+                of = next(each for each in self.document["bodies"] if each["name"] == name_of_body)["pose"]
+                there = pose_in(of).then(there)
+            pose |= {key: of[key] for key in ("frame",) if key in of}
         pose |= {"at_m": there.p.tolist(), "yaw_rad": float(there.yaw)}
         frame, inner = (seat_then if "at_s" in pose else seat)(cell.request, cell.frames, pose)
         off = {**kind.get("uncertainty", {}), **fields.get("uncertainty", {})}
@@ -296,7 +305,8 @@ def _clear_of_unseen(session: Session, plan: Executed) -> list[Violation]:
         yaws = np.unique(si(stream, "yaw", (0.0,)))
         for kind in [stream["kind"]] if "kind" in stream else stream["kinds"]:
             given = session.document["kinds"][kind]
-            ahead = float(si(given.get("uncertainty", {}), "position", 0.0))
+            off = cell.frames[stream["frame"]].unknown.get("speed_m_s", 0.0) * float(si(seen, "latency", 0.0))
+            ahead = float(si(given.get("uncertainty", {}), "position", 0.0)) + off
             x = float(si(seen, "at")) + ahead - BEHIND_M
             where = np.array([(*place, at[2]) for place in product(x, at[1] + lanes, yaws)])
             pose = {"frame": stream["frame"], "at_m": where[:, [0, 1, 3]], "yaw_rad": where[:, 2], "at_s": at_s}

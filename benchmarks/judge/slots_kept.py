@@ -32,7 +32,7 @@ def slots_kept(session: Session, used: dict[tuple[str, str, int], str]) -> list[
             slots = {
                 (name, number): float(np.linalg.norm(at.p - there.p))
                 for name, grid in session.document.get("slots", {}).items()
-                for number, at in enumerate(_slots_of(grid))
+                for number, at in enumerate(slots_of(grid))
                 if grid.get("kind") == kinds[carrier]
             }
             slot = min(slots, key=lambda each: slots[each], default=("", 0))
@@ -50,7 +50,7 @@ def slots_kept(session: Session, used: dict[tuple[str, str, int], str]) -> list[
     return found
 
 
-def _slots_of(grid: Document) -> Iterator[Poses]:
+def slots_of(grid: Document) -> Iterator[Poses]:
     """The slots of a grid one after the other: along x, then along y, then along z."""
     at, step, (nx, ny, nz) = si(grid, "at", (0.0,) * 3), si(grid, "step", (0.0,) * 3), grid.get("count", (1, 1, 1))
     for k, j, i in product(range(nz), range(ny), range(nx)):

@@ -124,7 +124,9 @@ def _known(found: Document | None) -> list[str]:
     if found is None:
         return []
     waiting = [f"The arm {what}, {share}." for what, share in words.waits(found)]
-    return [found["bottleneck"], *waiting, *found["notes"]]
+    first = f"This page shows the run with seed {found['runs'][0]['seed']}."
+    together = [words.of_all_runs(found), first] if len(found["runs"]) > 1 else []
+    return [*together, found["bottleneck"], *waiting, *found["notes"]]
 
 
 def _legs(plans: Sequence[LoggedPlan], found: Document | None) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -31,9 +32,11 @@ OF_RUN = ("streams", "selection", "refuge")
 OPTIONS: Document = {"stop": "first", "max_candidates": 12, "report": "none"}
 """Options of each motion that a cell does not state."""
 BUDGET_S = 60.0
-"""The budget of each search, in place of that of the cell: a search ends by count, or the run by an error."""
-STAY_S, LEAST_STAY_S = 2.0, 0.5
-"""For how long standing in the refuge is proved where the cell does not state it; and at least, s."""
+"""The budget of each search, in place of that of the cell: a search ends by count, or the run by an error. A budget of
+explanations is left out: its end, too, is a time of the clock."""
+STAY_S, LEAST_STAY_S, MOST_STAY_S = 2.0, 0.5, 10.0
+"""For how long standing in the refuge is proved where the cell does not state it; at least; and at most, s: a motion
+and the standstill behind it have to end within `HORIZON_S`."""
 FAR_M = 90.0
 """A point that no arm reaches, m from its base."""
 AROUND_M = 0.2
@@ -95,10 +98,10 @@ def simulated(document: Document) -> SimulatedCell:
         faults.settle()
         if all(stream.brings_carriers for stream in streams):
             raise Refused("at least one stream of parts to pick: without it there is nothing to simulate", "streams")
+        for i, part in enumerate(() if around.given is None else around.given.tool.bodies):
+            _check_name(part.name, streams, ("robot", "tool", "bodies", i, "name"))
         for i, body in enumerate(valid.bodies):
-            for stream in streams:
-                if body.name == unseen_name(stream) or re.fullmatch(rf"{re.escape(stream.name)}-[0-9]+", body.name):
-                    raise Refused(f"a name that is none of the parts of the stream {stream.name}", "bodies", i, "name")
+            _check_name(body.name, streams, ("bodies", i, "name"))
             if around.places[body.name][0] in {stream.frame for stream in streams}:
                 raise Refused(
                     "a body that does not ride on the conveyor of a stream: what rides is a part", "bodies", i, "pose"
@@ -134,6 +137,13 @@ def simulated(document: Document) -> SimulatedCell:
     )
 
 
+def _check_name(name: str, streams: Sequence[Stream], where: tuple[str | int, ...]) -> None:
+    """Raises `Refused`, at `where`, for a body that has the name of a part of a stream, or of what is not seen."""
+    for stream in streams:
+        if name == unseen_name(stream) or re.fullmatch(rf"{re.escape(stream.name)}-[0-9]+", name):
+            raise Refused(f"a name that is none of the parts of the stream {stream.name}", *where)
+
+
 def _stated_at(law: Any, at_s: float) -> Any:
     """The law of a frame that is where it is written at another time; what is no law stays."""
     if not isinstance(law, dict) or written_key(law, "speed_m_s") is None:
@@ -145,13 +155,14 @@ def _options(whole: KeptCellFile) -> tuple[Document, OptionsDocument]:
     """The options of all motions, as they are written, and in SI."""
     own = dict(whole.file.written.get("options", {}))
     read_fields(RequestDocument, {"options": own})
-    for key in ("budget_s", "stay_safe_s"):
+    for key in ("budget_s", "explain_budget_s", "stay_safe_s"):
         written = written_key(own, key)
         given = own.pop(written, None) if written is not None else None
         if key == "stay_safe_s":
             value = (given or 0.0) / (1e3 if written == "stay_safe_ms" else 1.0)
-            if given and value < LEAST_STAY_S:
-                raise InputError(f"options.{written}", given, f"{LEAST_STAY_S:g} s or more, or 0 for {STAY_S:g} s")
+            if given and not LEAST_STAY_S <= value <= MOST_STAY_S:
+                allowed = f"{LEAST_STAY_S:g} to {MOST_STAY_S:g} s, or 0 for {STAY_S:g} s"
+                raise InputError(f"options.{written}", given, allowed)
             own[key] = value or STAY_S
     made = {**OPTIONS, **own, "budget_s": BUDGET_S}
     return made, read_fields(RequestDocument, {"options": made})["options"]

@@ -83,7 +83,8 @@ def _of_stream(stream: Stream, written: Document) -> Iterator[Change]:
 
 def _stops(cell: SimulatedCell, document: Document) -> Iterator[tuple[str, object]]:
     """Dwells of the kinds and slots of the streams, which become 0."""
-    for name in dict.fromkeys(kind.name for stream in cell.streams for kind in stream.kinds):
+    picked = [stream for stream in cell.streams if not stream.brings_carriers]
+    for name in dict.fromkeys(kind.name for stream in picked for kind in stream.kinds):
         own = document["kinds"][name]
         if own.get(written_key(own, "dwell_s") or "", HANDLING["dwell_s"]) > 0.0:
             yield _path(f"kinds.{name}", own, "dwell_s", 0.0)

@@ -169,7 +169,13 @@ def chooser_of(
         if number == len(grids):
             raise Refused("a position that the arm reaches in the working mode in which it reaches the slots", "refuge")
         slot = 1 + (point if many[grids[number]] <= MOST_POINTS else point * many[grids[number]] // MOST_POINTS)
-        raise Refused(f"slots that the arm reaches; number {slot} is out of its reach", "slots", grids[number], "at_m")
+        lacks_slot = f"number {slot} of {grids[number]} is out of its reach"
+        kind = slots[grids[number]].get("kind")
+        if kind is not None:
+            raise Refused(
+                f"a window in which the arm reaches slots; {lacks_slot}", "streams", carriers[kind].name, WINDOW
+            )
+        raise Refused(f"slots that the arm reaches; {lacks_slot}", "slots", grids[number], "at_m")
     modes, times = min(right.items(), key=lambda each: float(each[1].rides[0, c.NOMINAL]))
     elbow = names[modes[0]] if len(names) > 1 else None
     named = {stream.name: stream for stream in streams}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -81,7 +82,8 @@ class Helps:
         own, changed = self._base.rates, trial.changed.rates if trial.changed.complete else []
         mean = sum(own) / len(own) if own else 0.0
         proved = [100.0 * (rate - before) / mean for before, rate in zip(own, changed, strict=False) if mean > 0.0]
-        low_high = interval(proved)
+        # the difference of two counts is known to a part of each
+        low_high = interval(proved, 100.0 * math.sqrt(2.0) / (mean * self._base.minutes)) if proved else None
         return {
             "what": trial.change.what,
             "set": trial.change.values,

@@ -47,6 +47,19 @@ class _Known:
         return self.part.kind.to or ""
 
 
+def coming_parts(cell: SimulatedCell, seed: int, until_s: float) -> list[_Known]:
+    """The parts of all streams, in the order in which they are known. Raises `InputError` for a stream that brings
+    nothing in that time."""
+    coming = []
+    for number, stream in enumerate(cell.streams):
+        parts = arrivals(stream, seed, until_s)
+        if not parts:
+            allowed = f"so long that a part of each stream is known: with seed {seed} none of {stream.name} is"
+            raise InputError("minutes", until_s / 60.0, allowed)
+        coming += [(part.known_s, number, k, _Known(part, number)) for k, part in enumerate(parts)]
+    return [each[-1] for each in sorted(coming, key=lambda each: each[:3])]
+
+
 class Run:
     """A run of a cell with a seed, until `until_s`. `step` goes on to the next decision; `tally` has what happened."""
 
@@ -56,20 +69,14 @@ class Run:
         """`record` gets the calls of the session. Raises `InputError` for a stream that brings nothing in that time,
         and as `RunningCell`."""
         self._cell, self._until_s, self._planning_s = cell, until_s, planning_ms / 1e3
-        coming = []
-        for number, stream in enumerate(cell.streams):
-            parts = arrivals(stream, seed, until_s)
-            if not parts:
-                allowed = f"a stream whose first part is known within {until_s:g} s; with seed {seed} there is none"
-                raise InputError(f"streams.{stream.name}", until_s, allowed)
-            coming += [(part.known_s, number, k, _Known(part, number)) for k, part in enumerate(parts)]
+        coming = coming_parts(cell, seed, until_s)
         most_s = cell.stay_s / 4.0 - RESERVE_S
         if self._planning_s > most_s:
             allowed = f"at most {1e3 * most_s:.4g} ms: standing is proved for {cell.stay_s:g} s (options.stay_safe_s)"
             raise InputError("planning_ms", planning_ms, allowed)
         self.session, self._since_s = _begun(cell, planning_ms, record), 0.0
         self._planning_ms, self._record = planning_ms, record
-        self._coming = deque(each[-1] for each in sorted(coming, key=lambda each: each[:3]))
+        self._coming = deque(coming)
         self._leaving: list[tuple[float, str, bool]] = []
         """When a part is out of reach, or the exchange of a grid is over, s; its name; and whether it is a grid."""
         self._candidates: dict[str, _Known] = {}
@@ -80,7 +87,7 @@ class Run:
         picked = [each for each in self._coming if each.grid]
         ends = [(each.part, cell.streams[each.number]) for each in picked]
         self.tally = Tally([(part.name, part.passes_s(of.window_m[1], of.speed_m_s)) for part, of in ends])
-        self._stand()  # from now on standing is proved against what is not seen, too
+        self._stand(first=True)  # from now on standing is proved against what is not seen, too
 
     @property
     def over(self) -> bool:
@@ -293,9 +300,13 @@ class Run:
         stated_s = before.committed.last.cell.scene.frames[pose["frame"]].law.numbers.at_time
         return {**pose, "at_m": [x + speeds[pose["frame"]] * (since_s - stated_s), *rest], "at_s": since_s}
 
-    def _stand(self) -> None:
-        """Commits the way to the refuge alone. Raises `FaultError` where standing there is not proved."""
+    def _stand(self, *, first: bool = False) -> None:
+        """Commits the way to the refuge alone. Raises `FaultError` where standing there is not proved, and `InputError`
+        for the `first` time of a run: then the cell is the reason."""
         made = self._proposed([])
+        if made.segment is None and first:
+            allowed = f"a position in which the arm can stand beside what is not seen yet: {made.judged.reason}"
+            raise InputError("refuge", self._cell.refuge, allowed)
         if made.segment is None:
             raise FaultError(f"at {made.starts_s:.6g} s standing in the refuge is not proved: {made.judged.reason}")
         self._follow(made, made.segment)
@@ -334,6 +345,7 @@ class Run:
             self._filling.comes(part, each.number)
         else:
             self._candidates[part.name] = each
+            self.tally.known += 1
         leaves_s = part.passes_s(self._cell.leaves_m[each.number], stream.speed_m_s)
         heapq.heappush(self._leaving, (leaves_s, part.name, False))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator
+from itertools import combinations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from assur.scenes.session.executed import worst
@@ -77,9 +78,12 @@ class Simulation:
 
     def run(self, watch: Watch = nothing, record: Record | None = None) -> None:
         """Makes the runs, one after the other. If something is raised meanwhile, the run until then is kept. `record`
-        gets the calls of the first one."""
-        from assur.scenes.simulation.run import Run
+        gets the calls of the first one. Raises `InputError` before the first run for a seed with which a stream brings
+        nothing in the time."""
+        from assur.scenes.simulation.run import Run, coming_parts
 
+        for seed in range(self.first, self.first + self.count):
+            coming_parts(self.cell, seed, self.until_s)
         for k in range(len(self.runs), self.count):
             run = Run(self.cell, self.first + k, self.until_s, self.planning_ms, record if k == 0 else None)
             try:
@@ -102,6 +106,7 @@ class Simulation:
             refusals.update(run["refusals"])
         cycles = [(run["placed"], run["cycle_s"]) for run in self.runs if run["cycle_s"] is not None]
         many = sum(placed for placed, _ in cycles)
+        low_high = interval(rates, 1.0 / self.minutes)
         found = {
             "schema": SIMULATION,
             "minutes": self.until_s / 60.0,
@@ -110,7 +115,7 @@ class Simulation:
             "elbow": self.cell.chooser.elbow,
             "complete": self.complete,
             "parts_per_minute": sum(rates) / len(rates) if rates else 0.0,
-            "interval": interval(rates),
+            "interval": None if low_high is None else [max(0.0, low_high[0]), low_high[1]],
             **{key: sum(run[key] for run in self.runs) for key in ("known", "picked", "placed", "missed")},
             "cycle_s": sum(placed * cycle for placed, cycle in cycles) / many if many else None,
             "table_cycle_s": float(self.cell.chooser.nominal_s),
@@ -136,18 +141,31 @@ class Simulation:
                     f"Until a part is known, clear of what is not seen, and a cycle is over, it goes "
                     f"{1e3 * needed_m:.0f} mm: the line is too near to know in time which part is next"
                 )
+        for one, other in combinations(self.cell.streams, 2):
+            least_m = one.radius_m + other.radius_m
+            if one.frame == other.frame and _apart(one.offsets_m, other.offsets_m) < least_m:
+                yield (
+                    f"{one.name} and {other.name} come in the same lane of {one.frame}: neither knows the other, "
+                    f"so their parts may lie inside each other. One stream with the kinds of both keeps them apart"
+                )
         if self.cell.chooser.orders_little:
             yield "parts in one lane for one grid of slots: in which order they are taken hardly matters"
 
 
-def interval(rates: list[float]) -> list[float] | None:
-    """The 95 % interval of the mean over seeds (Student's t); None for fewer than two."""
+def _apart(one: tuple[float, float], other: tuple[float, float]) -> float:
+    """How far two ranges are apart; less than 0 where they overlap."""
+    return max(one[0] - other[1], other[0] - one[1])
+
+
+def interval(rates: list[float], step: float = 0.0) -> list[float] | None:
+    """The 95 % interval of the mean over seeds (Student's t); None for fewer than two. `step`: by how much a rate
+    changes with one part. Rates are known no better than to that, also where all of them are the same."""
     if len(rates) < 2:
         return None
     from scipy.special import stdtrit
 
     mean = sum(rates) / len(rates)
-    spread = math.sqrt(sum((rate - mean) ** 2 for rate in rates) / (len(rates) - 1))
+    spread = math.sqrt(sum((rate - mean) ** 2 for rate in rates) / (len(rates) - 1) + step**2 / 12.0)
     half = float(stdtrit(len(rates) - 1, 0.5 + 0.5 * CONFIDENCE)) * spread / math.sqrt(len(rates))
     return [mean - half, mean + half]
 

@@ -104,7 +104,7 @@ class Tally:
         self.refusals: Counter[str] = Counter()
         self.examples: dict[str, str] = {}
         """The first refusal of each reason: when, and its sentence."""
-        self.plans = self.checked = 0
+        self.known = self.plans = self.checked = 0
         self._last: Segment | None = None
         self._executed = ExecutedMotions()
 
@@ -138,7 +138,7 @@ class Tally:
         missed = sum(left_s <= now_s and name not in picked for name, left_s in self.missed_s)
         return {
             "simulated_s": now_s,
-            "known": len(self.missed_s),
+            "known": self.known,
             "picked": len(picked),
             "placed": len(placed),
             "missed": missed,

@@ -46,8 +46,8 @@ def unseen_of(stream: Stream, reached_m: float, speed_off_m_s: float) -> Unseen:
     """The stretch of a stream; `reached_m`: x in its frame at which the arm reaches its parts first; `speed_off_m_s`:
     by how much the speed of the frame may be off. Raises `Refused` for one that is too long."""
     radius, speed = stream.radius_m, stream.speed_m_s
-    front = stream.seen_m + speed * stream.latency_s + radius
     fastest, more = speed + speed_off_m_s, 2.0 * radius + MORE_M
+    front = stream.seen_m + fastest * stream.latency_s + radius
     back = min(front, reached_m) - fastest * HORIZON_S - more
     length = front - back
     if length > LARGEST_M:

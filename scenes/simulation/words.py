@@ -17,8 +17,10 @@ WAITS_FOR = {
     "planning": "the end of planning",
 }
 """What the arm waits for, in words."""
-LEAST_SHARE = 5e-4
-"""Least share of the time that is reported in words."""
+MORE = {"slot": ": more carriers a minute, or more slots on each, would help"}
+"""What would help where it waits for that."""
+LEAST_SHARE, NOTABLE = 5e-4, 0.1
+"""Least share of the time that is reported in words, and of a wait that counts as a limit."""
 LEGS = ("leg", ">mean s", ">of the time", ">count", "bound most often by")
 TRIALS = ("what would help, in parts a minute", ">with table times", ">proved", ">95 % interval", "")
 """Titles of the tables; columns that begin with ``>`` are numbers."""
@@ -26,19 +28,23 @@ ONE_SEED = "one seed: whether a difference is more than chance is not known; --s
 
 
 def bottleneck(found: Document) -> str:
-    """What limits the parts a minute, in one or two sentences: the largest share of the time, and the parts that come
-    where none is missed."""
-    moving, legs = found["moving"], [row for row in found["legs"] if not row["leg"].startswith("wait")]
-    reason, share = max(found["waiting"].items(), key=lambda each: each[1], default=("", 0.0))
+    """What limits the parts a minute, in some sentences: plans that are refused, what the arm waits for, the leg that
+    takes longest; and the parts that come, where none is missed."""
+    legs = [row for row in found["legs"] if not row["leg"].startswith("wait")]
     if not legs:
-        words = "The arm was not moved."
-    elif share > moving:
-        words = f"The arm waits for {WAITS_FOR[reason]} {_percent(share)} of the time."
-    else:
-        longest = max(legs, key=lambda row: row["share"])
-        words = f"The arm moves {_percent(moving)} of the time; the {longest['leg']} takes longest"
-        words = f"{words} ({_percent(longest['share'])}){_bound(longest)}."
-    return words if found["missed"] else f"{words} No part was missed: it takes all that come."
+        return "The arm was not moved."
+    longest, refused, sentences = max(legs, key=lambda row: row["share"]), sum(found["refusals"].values()), []
+    takes = f"the {longest['leg']} takes longest ({_percent(longest['share'])}){_bound(longest)}."
+    if refused > found["placed"]:
+        first = next(iter(found["refusals"]))
+        sentences.append(f"{refused} of {found['plans']} motions could not be planned, most often for {first}.")
+    reason, share = max(found["waiting"].items(), key=lambda each: each[1], default=("", 0.0))
+    if share >= NOTABLE and found["missed"]:
+        sentences.append(f"The arm waits for {WAITS_FOR[reason]} {_percent(share)} of the time{MORE.get(reason, '')}.")
+    sentences.append(f"The arm moves {_percent(found['moving'])} of the time; {takes}")
+    if found["picked"] and not found["missed"]:
+        sentences.append("No part was missed: it takes all that come.")
+    return " ".join(sentences)
 
 
 def _bound(row: Document) -> str:
@@ -48,6 +54,14 @@ def _bound(row: Document) -> str:
     if 2 * sum(row["binds"].values()) < row["count"]:
         return "; mostly no limit binds it: the arm has time to spare"
     return f"; {next(iter(row['binds']))} binds it"
+
+
+def of_all_runs(found: Document) -> str:
+    """The figures of several runs together, in a sentence."""
+    runs, low_high = found["runs"], found["interval"]
+    within = "" if low_high is None else " (95 % interval {:.1f} to {:.1f})".format(*low_high)
+    parts = f"{found['picked']} of {found['known']} parts were picked, {found['missed']} were missed"
+    return f"All {len(runs)} runs together: {found['parts_per_minute']:.1f} parts a minute{within}; {parts}."
 
 
 def waits(found: Document) -> list[tuple[str, str]]:

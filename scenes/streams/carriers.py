@@ -53,7 +53,7 @@ def check_on_kind(grid: SlotsDocument, cell: CellDocument, solids: Mapping[str, 
             most = max((support(piece, n) for piece in solids[kind].pieces), default=0.0) if kind in solids else length
             if length > most:
                 off = f"one is {1e3 * length:.6g} mm from its origin, and it ends {1e3 * most:.6g} mm from there"
-                raise Refused(f"slots above {kind}: {off}", "at_m" if (nx, ny) == (1, 1) else "step_m")
+                raise Refused(f"slots above {kind}: {off}", "at_m" if [x, y] == list(grid.at_m[:2]) else "step_m")
 
 
 def _corners(grid: SlotsDocument) -> list[list[float]]:

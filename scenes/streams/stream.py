@@ -228,7 +228,9 @@ def _check_times(made: Stream) -> None:
     lanes = made.separate_lanes
     least_s = made.gap_s * made.count / lanes
     if time_s < least_s:
-        raise Refused(f"{least_s:.4g} s or more: nearer to each other the parts would overlap", key)
+        raise Refused(
+            f"{least_s:.4g} s or more: nearer to each other the parts could overlap, whatever their yaw is", key
+        )
     if made.jitter_s > 0.5 * time_s:
         raise Refused(f"at most {0.5 * time_s:g} s, half of every_s: else parts overtake each other", "jitter_s")
     if made.count > 1 and (made.count - 1) * made.apart_s >= time_s:

@@ -38,7 +38,12 @@ FOUND: Document = {
     "waiting": {"bodies": 0.25, "planning": 1e-5},
     "notes": [],
     "helps": [TRIAL],
-    "runs": [{"legs": [LEG]}, {"legs": []}],
+    "parts_per_minute": 30.25,
+    "interval": [29.0, 31.5],
+    "known": 9,
+    "picked": 5,
+    "missed": 3,
+    "runs": [{"seed": 4, "legs": [LEG]}, {"seed": 5, "legs": []}],
 }
 
 
@@ -115,6 +120,8 @@ def test_the_page_has_the_figures_of_the_run_and_fetches_nothing(
     assert "A &lt;run&gt; - assur" in page
     assert "Brackets &amp; a belt." in page
     assert "Parts &amp; belts are a bottleneck." in page
+    assert "All 2 runs together: 30.2 parts a minute (95 % interval 29.0 to 31.5); 5 of 9 parts were picked" in page
+    assert "This page shows the run with seed 4." in page
     assert "The arm waits for bodies to pass, 25.0 % of the time." in page
     assert "velocity of j1 (3 of 4)" in page
     assert "What would help, over 2 runs<" in page

@@ -297,7 +297,7 @@ def test_changes_of_a_cell_with_trays_move_no_slots_and_the_trays_are_no_parts()
             "slots.on-tray.at_mm", "95 mm from its origin, and it ends 90 mm",
         ),
         ({"streams__tray": None}, "streams.soap.to", "on-tray is on tray, and no stream brings tray"),
-        ({"streams__tray__window_mm": [600, 700]}, "slots.on-tray.at_mm", "number 1 is out of its reach"),
+        ({"streams__tray__window_mm": [600, 700]}, "streams.tray.window_mm", "number 1 of on-tray is out of its reach"),
         ({"streams__soap": None}, "streams", "at least one stream of parts"),
         ({"streams__tray__window_mm": [200, -200]}, "streams.tray.window_mm", "the least x first"),
         (

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import assur
-from assur.planner.errors import FaultError
+from assur.planner.errors import FaultError, InputError
 from assur.planner.model.outcome import Plan
 from assur.planner.trajectory import Trajectory
 from assur.scenes import written_knots
@@ -25,6 +25,7 @@ from assur.scenes.simulation.leg_times import of_runs
 from assur.scenes.simulation.run import Run
 from assur.scenes.simulation.simulate import Simulation, interval
 from assur.scenes.simulation.tally import WAITS, Cycle, Tally
+from assur.scenes.simulation.unseen import unseen_of
 from assur.scenes.simulation.words import WAITS_FOR, bottleneck
 from assur.scenes.streams.arrivals import arrivals
 from assur.scenes.written_knots import with_rounded_knots
@@ -150,7 +151,7 @@ WAIT = {"leg": "wait on the way to the part", "count": 1, "mean_s": 0.1, "share"
     ("legs", "waiting", "missed", "sentence"),
     [
         (
-            [WAIT, TO_PART, DWELL], {"part": 0.2}, 1,
+            [WAIT, TO_PART, DWELL], {"part": 0.05}, 1,
             "The arm moves 80 % of the time; the travel to the part takes longest (40 %); velocity of j1 binds it.",
         ),
         (
@@ -163,15 +164,31 @@ WAIT = {"leg": "wait on the way to the part", "count": 1, "mean_s": 0.1, "share"
             "The arm moves 80 % of the time; the dwell at the slot takes longest (50 %). No part was missed: it takes "
             "all that come.",
         ),
-        ([TO_PART], {"planning": 0.05, "reach": 0.85}, 1,
-            "The arm waits for a part that it can reach in its window 85 % of the time."),
+        (
+            [DWELL], {"planning": 0.05, "slot": 0.45}, 1,
+            "The arm waits for a free slot 45 % of the time: more carriers a minute, or more slots on each, would "
+            "help. The arm moves 80 % of the time; the dwell at the slot takes longest (10 %).",
+        ),
         ([WAIT], {}, 1, "The arm was not moved."),
     ],
 )  # fmt: skip
 def test_the_bottleneck_is_what_takes_the_largest_share_of_the_time(
     legs: list[Document], waiting: Document, missed: int, sentence: str
 ) -> None:
-    assert bottleneck({"moving": 0.8, "legs": legs, "waiting": waiting, "missed": missed}) == sentence
+    found = {
+        "moving": 0.8,
+        "legs": legs,
+        "waiting": waiting,
+        "missed": missed,
+        "refusals": {},
+        "picked": 4,
+        "placed": 4,
+    }
+    assert bottleneck(found) == sentence
+    refused = {**found, "plans": 9, "refusals": {"OUT_OF_REACH": 4, "BODY_COLLISION": 1}}
+    words = "5 of 9 motions could not be planned, most often for OUT_OF_REACH. "
+    assert bottleneck(refused) == ((words + sentence) if legs != [WAIT] else sentence)
+    assert "No part was missed" not in bottleneck({**found, "picked": 0})
 
 
 def test_a_wait_is_for_what_was_lacking_at_that_time() -> None:
@@ -327,6 +344,8 @@ def test_the_interval_is_that_of_student() -> None:
     half = 4.302653 / math.sqrt(3)
     assert interval([29.0, 30.0, 31.0]) == pytest.approx([30 - half, 30 + half])
     assert interval([30.0, 30.0]) == [30.0, 30.0]
+    low, high = interval([30.0] * 4, 2.0) or (0.0, 0.0)
+    assert (30.0 - low, high - 30.0) == pytest.approx([3.182 * 2.0 / math.sqrt(12.0 * 4)] * 2, rel=1e-3)
 
 
 def test_notes_say_where_the_camera_is_too_near_and_where_the_order_hardly_matters() -> None:
@@ -374,14 +393,14 @@ FRAMES: Document = {"turn": {"turntable": {"rate_deg_s": 10}}, **copy.deepcopy(_
             {}, {"frames": FRAMES, "positions": {"home": {"frame": "turn", "at_mm": [350, 0, 100]}}},
             "positions.home.frame", "at rest",
         ),
-        ({}, {"slots": {"box": {"at_mm": [900, -235, 65]}}}, "slots.box.at_mm", "number 1 is out of its reach"),
+        ({}, {"slots": {"box": {"at_mm": [900, -235, 65]}}}, "slots.box.at_mm", "number 1 of box is out of its reach"),
         (
             {}, {"slots": {"box": {"at_mm": [255, -235, 65], "step_mm": [400, 0, 0], "count": [3, 1, 1]}}},
-            "slots.box.at_mm", "number 2 is out of its reach",
+            "slots.box.at_mm", "number 2 of box is out of its reach",
         ),
         ({}, {"frames": FRAMES, "slots": {"box": {"frame": "turn"}}}, "slots.box.frame", "at rest"),
         ({"window_mm": [800, 900]}, {}, "streams.soap.window_mm", "that the arm reaches"),
-        ({}, {"options": {"stay_safe_s": 0.1}}, "options.stay_safe_s", "0.5 s or more"),
+        ({}, {"options": {"stay_safe_s": 0.1}}, "options.stay_safe_s", "0.5 to 10 s"),
         ({}, {"options": {"elbow": "up"}}, "options.elbow", ""),
         ({}, {"options": {"seed": math.nan}}, "options.seed", ""),
         ({"every_s": 2}, {}, "streams.soap.mean_s", "exactly one"),
@@ -414,7 +433,7 @@ def test_a_cell_that_cannot_run_is_refused(stream: Document, changes: Document, 
         ({"planning_ms": -1}, "planning_ms"),
         ({"planning_ms": math.inf}, "planning_ms"),
         ({"planning_ms": 500}, "planning_ms"),
-        ({"minutes": 0.05}, "streams.soap"),
+        ({"minutes": 0.05}, "minutes"),
     ],
 )
 def test_arguments_that_are_not_right_are_refused(arguments: Document, field: str) -> None:
@@ -467,3 +486,63 @@ def test_each_reason_of_a_refusal_has_its_first_sentence() -> None:
     assert found["refusals"]["BODY_COLLISION"] > 0
     assert " s: " in found["examples"]["BODY_COLLISION"]
     assert "would come too close to" in found["examples"]["BODY_COLLISION"]
+
+
+def test_a_refuge_beside_which_what_is_not_seen_passes_is_refused_before_the_run() -> None:
+    """Parts that come as high as the arm stands, above the belt."""
+    high = {**_shipped()["streams"]["soap"], "at_mm": [-700, 0, 100]}
+    options = {**_shipped()["options"], "stay_safe_s": 4}
+    home = {"home": {"at_mm": [-250, 350, 150]}}
+    made = simulated(cell(streams={"soap": high}, positions=home, options=options))
+    with refused_at("refuge", "a position in which the arm can stand beside what is not seen yet", value="home"):
+        Run(made, 1, 20.0, 20.0)
+
+
+@pytest.mark.parametrize(("key", "value"), [("stay_safe_s", 18), ("stay_safe_ms", 18_000), ("stay_safe_s", 0.1)])
+def test_a_standstill_that_is_too_long_or_short_is_refused(key: str, value: float) -> None:
+    with pytest.raises(InputError, match=rf"options.{key}: got {value}; allowed: 0.5 to 10 s, or 0 for 2 s"):
+        simulated(cell(options={**_shipped()["options"], key: value}))
+
+
+def test_budgets_of_the_clock_are_left_out() -> None:
+    options = {**_shipped()["options"], "explain_budget_s": 1, "budget_s": 1}
+    made = simulated(cell(options=options)).document["options"]
+    assert (made["budget_s"], "explain_budget_s" in made) == (60.0, False)
+
+
+def test_a_body_of_the_tool_has_no_name_of_a_part() -> None:
+    robot = copy.deepcopy(_shipped()["robot"])
+    robot["tool"]["bodies"][0]["name"] = "soap-12"
+    with pytest.raises(InputError, match=r"robot.tool.bodies\[0\].name: got 'soap-12'; allowed: a name that is none"):
+        simulated(cell(robot=robot))
+
+
+def test_all_seeds_bring_parts_before_the_first_run_begins() -> None:
+    made = Simulation(cell(), 0.08, 1, 40, 20.0)
+    with refused_at("minutes", "so long that a part of each stream is known"):
+        made.run()
+    assert made.runs == []
+
+
+def test_what_is_not_seen_is_as_far_as_a_belt_that_is_faster_takes_it() -> None:
+    stream = replace(simulated(cell()).streams[0], latency_s=1.0)
+    slow, fast = unseen_of(stream, -1.0, 0.0), unseen_of(stream, -1.0, 0.02)
+    assert fast.front_m - slow.front_m == pytest.approx(0.02)
+    assert fast.clear_m - slow.clear_m == pytest.approx(0.02)
+
+
+def test_parts_are_known_when_they_are_seen() -> None:
+    done = Run(simulated(cell()), SEED, 600.0, 20.0)
+    while done.session.clock_s < 12.0:
+        done.step()
+    now_s = done.session.clock_s
+    seen = sum(part.known_s <= now_s for part in arrivals(done._cell.streams[0], SEED, 600.0))
+    assert done.tally.figures(now_s)["known"] == seen > 3
+
+
+def test_streams_in_one_lane_are_noted() -> None:
+    one = _shipped()["streams"]["soap"]
+    made = Simulation(cell(streams={"soap": one, "more": one}), 0.1, 1, 1, 20.0)
+    assert "soap and more come in the same lane of belt: neither knows the other" in " ".join(made._notes(1.0))
+    apart = Simulation(cell(), 0.1, 1, 1, 20.0)
+    assert "same lane" not in " ".join(apart._notes(1.0))
