@@ -28,8 +28,8 @@ ONE_SEED = "one seed: whether a difference is more than chance is not known; --s
 
 
 def bottleneck(found: Document) -> str:
-    """What limits the parts a minute, in some sentences: plans that are refused, what the arm waits for, the leg that
-    takes longest; and the parts that come, where none is missed."""
+    """What limits the parts a minute, in some sentences: plans that are refused, what the arm waits for while parts
+    come, the leg that takes longest; and the parts that come, where none is missed."""
     legs = [row for row in found["legs"] if not row["leg"].startswith("wait")]
     if not legs:
         return "The arm was not moved."
@@ -38,7 +38,8 @@ def bottleneck(found: Document) -> str:
     if refused > found["placed"]:
         first = next(iter(found["refusals"]))
         sentences.append(f"{refused} of {found['plans']} motions could not be planned, most often for {first}.")
-    reason, share = max(found["waiting"].items(), key=lambda each: each[1], default=("", 0.0))
+    waits = [(share, reason) for reason, share in found["waiting"].items() if reason != "part"]
+    share, reason = max(waits, default=(0.0, ""))
     if share >= NOTABLE and found["missed"]:
         sentences.append(f"The arm waits for {WAITS_FOR[reason]} {_percent(share)} of the time{MORE.get(reason, '')}.")
     sentences.append(f"The arm moves {_percent(found['moving'])} of the time; {takes}")

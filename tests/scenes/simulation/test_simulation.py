@@ -151,7 +151,7 @@ WAIT = {"leg": "wait on the way to the part", "count": 1, "mean_s": 0.1, "share"
     ("legs", "waiting", "missed", "sentence"),
     [
         (
-            [WAIT, TO_PART, DWELL], {"part": 0.05}, 1,
+            [WAIT, TO_PART, DWELL], {"part": 0.2}, 1,
             "The arm moves 80 % of the time; the travel to the part takes longest (40 %); velocity of j1 binds it.",
         ),
         (
