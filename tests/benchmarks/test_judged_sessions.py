@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+import assur
+from assur.scenes.scenarios import CELLS
+from assur.scenes.session.log import read_log
 from assur.scenes.session.session import RunningCell
 from assur.scenes.simulation import cell as simulated_cells
+from assur.scenes.simulation import run
 from assur.scenes.simulation.unseen import Unseen, unseen_of
 from benchmarks.figures import Document
 from benchmarks.flows import FLOWS
+from benchmarks.judge.sessions import broken_sessions
 from benchmarks.judged_sessions import SHOWN, figures, judged
 
 MINUTES = 0.15
@@ -52,3 +58,18 @@ def test_a_stretch_that_is_not_seen_and_is_put_too_far_away_is_found(monkeypatch
     monkeypatch.setattr(simulated_cells, "unseen_of", too_far)
     records = [judged(name, MINUTES, 1) for name in FLOWS]
     assert sum(record["faults"].get("hit", 0) for record in records) > 0
+
+
+def test_parts_in_slots_are_where_these_are_when_places_are_counted_anew(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(run, "LONGEST_M", 1.7)
+    path = tmp_path / "run.mcap"
+    assur.simulate(assur.load(CELLS / "shared" / "soap-flow.yaml"), minutes=0.3, log=path)
+    document, read = read_log(path)
+    events = list(read)
+    assert [each["call"] for each in events].count("session") == 2
+    assert any("slot" in each["arguments"].get("fields", {}) for each in events)
+    assert broken_sessions(document, events) == []
+    document["slots"]["box"]["at_mm"][0] += 5
+    assert {"place"} <= {each.kind for each in broken_sessions(document, events)}
