@@ -46,17 +46,17 @@ def main(
     finish("simulation_memory", "memory of a long run", quick, {"parts": parts}, records, figures)
 
 
-def measured(parts: int) -> dict[str, Document]:
+def measured(parts: int, readings: int = READINGS) -> dict[str, Document]:
     """The records of a run of so many parts: the resident memory, MiB, and the motions until then."""
     until_s, records = parts * PERIOD_S, dict[str, Document]()
     run = Run(simulated(flow(CELL)), 1, until_s, 20.0)
-    for number in track(range(1, READINGS + 1), "parts", console=Console(stderr=True)):
-        while run.session.clock_s < until_s * number / READINGS:
+    for number in track(range(1, readings + 1), "parts", console=Console(stderr=True)):
+        while run.session.clock_s < until_s * number / readings:
             run.step()
         gc.collect()
         resident = int(STATM.read_text(encoding="ascii").split()[1]) * resource.getpagesize()
         figures = {key: getattr(run.tally, key) for key in ("plans", "checked")}
-        records[f"{number} %"] = {"resident_mib": resident / MIB, **figures, "findings": []}
+        records[f"{number} of {readings}"] = {"resident_mib": resident / MIB, **figures, "findings": []}
     return records
 
 
