@@ -172,7 +172,7 @@ WAIT = {"leg": "wait on the way to the part", "count": 1, "mean_s": 0.1, "share"
         ([WAIT], {}, 1, "The arm was not moved."),
     ],
 )  # fmt: skip
-def test_the_bottleneck_is_what_takes_the_largest_share_of_the_time(
+def test_what_limits_the_parts_a_minute_is_stated(
     legs: list[Document], waiting: Document, missed: int, sentence: str
 ) -> None:
     found = {
