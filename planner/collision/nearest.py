@@ -11,7 +11,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray
-from assur.planner.collision.bodies import Arrangement, Pairs, certain
+from assur.planner.collision.bodies import Arrangement
+from assur.planner.collision.pairs import Pairs, certain
 from assur.planner.collision.proof import Prover, Search
 from assur.planner.geometry.containment import inside
 from assur.planner.kernels.gjk import nearest_to_origin

@@ -9,8 +9,9 @@ from dataclasses import replace
 import numpy as np
 
 from assur.planner.arrays import BoolArray, FloatArray, IntArray
-from assur.planner.collision.bodies import Arrangement, Pairs, pair_tables_of
+from assur.planner.collision.bodies import Arrangement
 from assur.planner.collision.fcl_entry import Collider, PlacedShape
+from assur.planner.collision.pairs import Pairs, pair_tables_of
 from assur.planner.collision.rows import ProofFailure, Rows
 from assur.planner.kernels.carriers import Carried, place_carriers
 from assur.planner.kernels.interval_search import PROVE, SCREEN, search_intervals

@@ -104,27 +104,14 @@ class Motion:
 
     def at(self, offset: Pose, above: FloatArray | float = 0.0) -> Motion:
         """Motion of a frame that is fixed in this one at `offset`, and `above` it, m, a number or one for each time. Of
-        a hand that tilts, `offset` is in a frame that has its heading and stays upright.
-
-        With r = R(yaw) offset and r⊥ = ẑ × r:  ṙ = ω r⊥,  r̈ = α r⊥ − ω² r,  r⃛ = (α̇ − ω³) r⊥ − 3 ω α r.
-        """
+        a hand that tilts, `offset` is in a frame that has its heading and stays upright."""
         table = self.table.copy()
+        if offset.x != 0.0 or offset.y != 0.0:
+            from assur.planner.kernels.motion import move_aside
+
+            move_aside(table.reshape(-1, *table.shape[-2:]), offset.x, offset.y)
         table[..., 0, 2] += offset.z + above
         table[..., 0, 3] += offset.yaw
-        if offset.x == 0.0 and offset.y == 0.0:
-            return Motion(table)  # on the axis: r⊥ is zero
-        yaw = self.table[..., 0, 3]
-        c, s = np.cos(yaw), np.sin(yaw)
-        rx, ry = c * offset.x - s * offset.y, s * offset.x + c * offset.y
-        table[..., 0, 0] += rx
-        table[..., 0, 1] += ry
-        if self.table[..., 1:, 3].any():
-            r, turned = np.stack([rx, ry], -1), np.stack([-ry, rx], -1)
-            _, v, a, j = (table[..., order, :2] for order in ORDERS)
-            w, dw, ddw = (self.table[..., order, 3:4] for order in ORDERS[1:])
-            v += w * turned
-            a[...] = a + dw * turned - w**2 * r
-            j[...] = j + (ddw - w**3) * turned - 3 * w * dw * r
         return Motion(table)
 
     def carrying(self, place: FloatArray, rate: FloatArray, bend: FloatArray, *yaws: FloatArray | float) -> Motion:

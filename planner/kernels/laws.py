@@ -90,35 +90,26 @@ def _piece_at(law: FloatArray, pieces: FloatArray, t: float) -> tuple[int, float
     return i, t - pieces[i, c.PIECE_BEGIN], whole
 
 
-@kernel("void(float64[::1], float64[:, ::1], float64[::1], float64[:, :, ::1], float64[:, ::1])")
-def frame_motions(
-    law: FloatArray, pieces: FloatArray, times: FloatArray, vectors: FloatArray, angles: FloatArray
-) -> None:
-    """Position (T, 3) with three derivatives in `vectors` (4, T, 3), and yaw with as many in `angles` (4, T), at times
-    (T,); NaN where the law is not known, and for NaN. Not of links."""
+@kernel("void(float64[::1], float64[:, ::1], float64[::1], float64[:, :, ::1])")
+def frame_motions(law: FloatArray, pieces: FloatArray, times: FloatArray, motions: FloatArray) -> None:
+    """Fills motions (T, 4, 4) at times (T,): a row an order, columns x, y, z, yaw. NaN where the law is not known, and
+    for NaN. Not of links."""
     powers, first = int(law[c.POWERS]), int(law[c.WAVE])
     for row in range(len(times)):
-        t = times[row]
+        t, motion = times[row], motions[row]
         if not law[c.FIRST] <= t <= law[c.LAST]:
-            for n in range(4):
-                angles[n, row] = vectors[n, row, 0] = vectors[n, row, 1] = vectors[n, row, 2] = math.nan
+            motion[:] = math.nan
             continue
         i, u, whole = _piece_at(law, pieces, t)
-        for k in range(3):
-            x, v, a, j = _coordinate(pieces, i, k, powers, u)
-            vectors[0, row, k] = x + whole * law[c.STEP + k]
-            vectors[1, row, k], vectors[2, row, k], vectors[3, row, k] = v, a, j
-        x, v, a, j = _coordinate(pieces, i, 3, powers, u)
-        angles[0, row], angles[1, row], angles[2, row], angles[3, row] = x + whole * law[c.STEP + 3], v, a, j
+        for k in range(4):
+            x, motion[1, k], motion[2, k], motion[3, k] = _coordinate(pieces, i, k, powers, u)
+            motion[0, k] = x + whole * law[c.STEP + k]
         for wave in range(first, first + int(law[c.WAVES])):
             k, size, w = int(pieces[wave, c.WAVE_COORDINATE]), pieces[wave, c.WAVE_AMPLITUDE], pieces[wave, c.WAVE_RATE]
             theta = w * t + pieces[wave, c.WAVE_PHASE]
             sine, cosine = size * math.sin(theta), size * math.cos(theta)
             for n, value in enumerate((sine, w * cosine, -w * w * sine, -w * w * w * cosine)):
-                if k < 3:
-                    vectors[n, row, k] += value
-                else:
-                    angles[n, row] += value
+                motion[n, k] += value
 
 
 @kernel("float64(float64, float64)")

@@ -162,3 +162,22 @@ def link_motions(robot: FloatArray, link: int, joints: FloatArray, out: FloatArr
     work = np.empty((WORK_ROWS, RRR_COLUMNS))
     for i in range(len(joints)):
         link_motion(robot, link, joints[i], out[i], work)
+
+
+@kernel("void(float64[:, :, ::1], float64, float64)")
+def move_aside(motions: FloatArray, x: float, y: float) -> None:
+    """Moves motions (T, 4, C), a row an order, columns x, y, z, yaw and others, to a point that is fixed in their frame
+    at (x, y), m. With r = R(yaw) (x, y) and r⊥ = ẑ × r:  ṙ = ω r⊥,  r̈ = α r⊥ − ω² r,  r⃛ = (α̇ − ω³) r⊥ − 3 ω α r."""
+    for row in range(len(motions)):
+        motion = motions[row]
+        cosine, sine = math.cos(motion[0, 3]), math.sin(motion[0, 3])
+        rx, ry = cosine * x - sine * y, sine * x + cosine * y
+        w, dw, ddw = motion[1, 3], motion[2, 3], motion[3, 3]
+        motion[0, 0] += rx
+        motion[0, 1] += ry
+        motion[1, 0] -= w * ry
+        motion[1, 1] += w * rx
+        motion[2, 0] += -dw * ry - w * w * rx
+        motion[2, 1] += dw * rx - w * w * ry
+        motion[3, 0] += -(ddw - w * w * w) * ry - 3.0 * w * dw * rx
+        motion[3, 1] += (ddw - w * w * w) * rx - 3.0 * w * dw * ry

@@ -148,10 +148,9 @@ class Law:
         t = np.asarray(t, dtype=np.float64)
         if self.link is not None:
             return self.link.motion(t, self.knows(t))
-        vectors, angles = np.empty((4, t.size, 3)), np.empty((4, t.size))
-        frame_motions(self.row, self.side, np.ascontiguousarray(t.ravel()), vectors, angles)
-        table = np.concatenate((vectors, angles[:, :, None]), 2).swapaxes(0, 1)
-        return Motion(table.reshape(*t.shape, 4, 4))
+        table = np.empty((*t.shape, 4, 4))
+        frame_motions(self.row, self.side, np.ascontiguousarray(t.ravel()), table.reshape(-1, 4, 4))
+        return Motion(table)
 
     def sweep(self, t0: float, t1: float) -> Sweep:
         """How the frame moves over the closed interval [t0, t1], s (K44)."""

@@ -266,21 +266,19 @@ def resting_on(
         return frozenset(names)
     at_s, attached = scene.start.time if time is None else time, attached or AT_START
 
-    def in_world(name: str, local: Pose) -> Pose | None:
-        there = _pose_at(scene.frames[name].law, at_s)
-        return None if there is None else there.then(local)
-
-    there = in_world(frame, pose)
-    if there is None:
+    here = _pose_at(scene.frames[frame].law, at_s)
+    if here is None:
         return frozenset()
-    part_body = scene.index[part].body
+    there, part_body = here.then(pose), scene.index[part].body
     bottom, around = there.z + part_body.heights[0], part_body.radius
     found = set()
     for body in scene.bodies:
-        other = None if body.name == part else in_world(*attached.pose_of(scene, body.name))
-        if other is None or not math.hypot(other.x - there.x, other.y - there.y) <= around + body.body.radius:
+        on, local = attached.pose_of(scene, body.name)
+        below = None if body.name == part else _pose_at(scene.frames[on].law, at_s)
+        if below is None or not abs(below.z + local.z + body.body.heights[1] - bottom) <= CONTACT_M:
             continue
-        if abs(other.z + body.body.heights[1] - bottom) <= CONTACT_M:
+        other = below.then(local)
+        if math.hypot(other.x - there.x, other.y - there.y) <= around + body.body.radius:
             found.add(body.name)
     return frozenset(found)
 

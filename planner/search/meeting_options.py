@@ -11,7 +11,7 @@ import numpy as np
 from assur.planner.arrays import FloatArray
 from assur.planner.claim.frames import displaced_of
 from assur.planner.claim.obligations import shares_of
-from assur.planner.collision.bodies import shift_of
+from assur.planner.collision.pairs import shift_of
 from assur.planner.errors import FaultError
 from assur.planner.frames.motion import Motion
 from assur.planner.kernels.meetings import least_durations

@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assur.planner.arrays import FloatArray, IntArray
-from assur.planner.collision.bodies import COVER, MOST, Arrangement, Bodies, PairTables
+from assur.planner.collision.bodies import COVER, MOST, Arrangement, Bodies
+from assur.planner.collision.pairs import PairTables
 from assur.planner.collision.proof import Prover
 from assur.planner.frames.motion import Pose
 from assur.planner.geometry.shapes import Body, Piece, box, cylinder, support
