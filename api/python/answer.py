@@ -149,6 +149,7 @@ class Answer(Mapping[str, Any]):
         whose certificate is not in full, and for another cell, at the field that differs.
         """
         from assur.api.python.calls import document_of
+        from assur.scenes.faults import raised_as
         from assur.scenes.tasks.kept_cell import of_task
         from assur.scenes.tasks.next_task import checked_end, next_fields, next_request, next_values
 
@@ -158,10 +159,8 @@ class Answer(Mapping[str, Any]):
             document = document_of(cell)
         end = checked_end(request, self._document)
         if document is not None and "task" not in document:
-            try:
+            with raised_as(of_task):
                 return next_fields(document, made, end, task)
-            except InputError as error:
-                raise of_task(error) from error
         if parts:
             allowed = "none: the parts of a request are bodies; add them to those that are returned"
             raise InputError("parts", made["parts"], allowed)

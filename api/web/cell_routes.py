@@ -19,7 +19,7 @@ from assur.api.web.settings import PLAN_BODY_BYTES
 from assur.api.web.uploads import Uploads
 from assur.api.workers import cell_jobs
 from assur.api.workers.answer_parts import NAMES, parts_wanted
-from assur.planner.errors import InputError
+from assur.scenes.faults import raised_as
 from assur.scenes.meshes.folder import StoredFile
 
 
@@ -59,10 +59,8 @@ async def plan_task(request: Request) -> Response:
     how, client = plan_files.file_wanted(request), client_of(request)
     if how is None:
         certificate = certificate_of(request)
-        try:
+        with raised_as(Problem.of_input):
             parts = parts_wanted(*map(request.query_params.get, NAMES))
-        except InputError as error:
-            raise Problem.of_input(error) from error
         body = await read_admitted(request, PLAN_BODY_BYTES, "certificate", *NAMES, *plan_files.NAMES)
     else:
         body = await read_admitted(request, PLAN_BODY_BYTES, *plan_files.NAMES)

@@ -33,7 +33,7 @@ from assur.api.workers.pool import Work, Workers
 from assur.api.workers.results import Results
 from assur.api.workers.traced import warm
 from assur.planner.errors import InputError
-from assur.scenes.faults import fault
+from assur.scenes.faults import fault, raised_as
 from assur.scenes.meshes.folder import MeshFolder
 from assur.scenes.requests import Detail, parse_json, shipped, stated_budgets, with_options
 from assur.scenes.scenario import with_files
@@ -165,14 +165,12 @@ class Service:
         return read() if len(body) <= SMALL_BYTES else await self._beside(client, read)
 
     def _simulation(self, digest: str | None, body: bytes, client: Client) -> Order:
-        try:
+        with raised_as(Problem.of_input):
             question = simulation_jobs.question_in(body, with_cell=digest is None)
             own, most = question.arguments, self.settings.max_simulated_minutes
             if own.minutes * own.seeds > most:
                 allowed = f"at most {most / own.seeds:g} with seeds {own.seeds}: ASSUR_MAX_SIMULATED_MINUTES is {most}"
                 raise InputError("minutes", own.minutes, allowed)
-        except InputError as error:
-            raise Problem.of_input(error) from error
         most_s = max(question.simulated_s * (1 + PROVED * question.helps), self.settings.check_s)
         work = Work(
             simulation_jobs.simulate,
@@ -223,10 +221,8 @@ class Service:
             arguments = body, certificate, self.settings.max_budget_s
             work = Work(jobs.plan, arguments, digest_of("plan", body), in_touch=True, listens=True)
             return Order(work, self._demand(document, client))
-        try:
+        with raised_as(Problem.of_input):
             return self._scene(_scenario_name(document), {}, certificate, client)
-        except InputError as error:
-            raise Problem.of_input(error) from error
 
     def scene(self, name: str) -> dict[str, Any]:
         """The request of the shipped scenario `name`, its budgets cut to what the service gives: it can be posted here.

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_SLOTS
 from assur.scenes.conventions import Conventions, as_maker, rates_as_maker
-from assur.scenes.faults import NOTHING, DocumentError, Refused, fault, written_key
+from assur.scenes.faults import NOTHING, DocumentError, Refused, fault, raised_as, written_key
 from assur.scenes.schema.cell_file import TASK, CellDocument, TaskDocument
 from assur.scenes.schema.differences import difference, stated_at
 from assur.scenes.schema.normal import normal
@@ -324,12 +324,10 @@ def joined_after(
     own = len(stated.get("parts", ()))
     carried = Carried({i: part["name"] for i, part in enumerate(task["parts"]) if i >= own}, end.gone_at_s)
     made = joined(cell, task, given, carried)
-    try:
+    with raised_as(made.relocated):
         hold_same(made.request, end)
         before = {body["name"]: body for body in end.document.get("bodies", ()) if body["name"] not in end.gone}
         check_same_bodies(made.request, before, stated, given)
-    except InputError as error:
-        raise made.relocated(error) from error
     return made
 
 

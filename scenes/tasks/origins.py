@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 from assur.planner.errors import InputError
-from assur.scenes.faults import WHOLE, DocumentError, documented, dotted
+from assur.scenes.faults import WHOLE, DocumentError, documented, dotted, raised_as
 from assur.scenes.set_values import Changed
 
 Document = dict[str, Any]
@@ -65,21 +66,11 @@ class Origins:
         return field
 
 
-class within_document:
+def within_document(name: str) -> AbstractContextManager[None]:
     """A fault inside is one of the document of that name."""
-
-    def __init__(self, name: str) -> None:
-        self._name = name
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        if isinstance(error, InputError):
-            raise documented(error).relocated(self._field) from error
-
-    def _field(self, field: str) -> str:
-        return self._name if field == WHOLE else f"{self._name}.{field}"
+    return raised_as(
+        lambda error: documented(error).relocated(lambda field: name if field == WHOLE else f"{name}.{field}")
+    )
 
 
 class Joined:
