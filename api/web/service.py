@@ -95,14 +95,14 @@ class Service:
         """The file, as `how` asks for it, of the plan of what is in `body`. Raises `Problem`."""
         order = await self.order(body, "full", client)
         source = order.work.arguments[0] if order.work.job is jobs.plan_shipped else body
-        work = replace(
-            order.work,
-            job=file_jobs.plan_file,
-            arguments=(source, how, self.settings.max_budget_s),
-            key=digest_of("plan_file", order.work.key, json.dumps(how)),
-        )
+        return await self.do(self._file_order(order, file_jobs.plan_file, how, source))
+
+    def _file_order(self, order: Order, job: Callable[..., jobs.Reply], how: dict[str, Any], *source: object) -> Order:
+        """The order for the file, as `how` asks for it, of the plan of another order; `job` makes it of `source`."""
+        key = digest_of(job.__name__, order.work.key, json.dumps(how))
+        work = replace(order.work, job=job, arguments=(*source, how, self.settings.max_budget_s), key=key)
         # the file is made after the plan, as an export of it would be
-        return await self.do(Order(work, replace(order.demand, wall_s=order.demand.wall_s + self.settings.check_s)))
+        return Order(work, replace(order.demand, wall_s=order.demand.wall_s + self.settings.check_s))
 
     async def order(self, body: bytes, certificate: Detail, client: Client, *, parsed: bool = False) -> Order:
         """What is to be done about `body`, as `plan` has it. `parsed`: it is read as JSON before it is accepted, as
@@ -130,13 +130,7 @@ class Service:
     async def task_file_order(self, digest: str, body: bytes, how: dict[str, Any], client: Client) -> Order:
         """The same for the file of its plan, as `how` asks for it. Raises `Problem`."""
         order = await self.task_order(digest, body, "full", Parts(), client)
-        work = replace(
-            order.work,
-            job=cell_jobs.plan_task_file,
-            arguments=(digest, body, how, self.settings.max_budget_s),
-            key=digest_of("plan_task_file", order.work.key, json.dumps(how)),
-        )
-        return Order(work, replace(order.demand, wall_s=order.demand.wall_s + self.settings.check_s))
+        return self._file_order(order, cell_jobs.plan_task_file, how, digest, body)
 
     def _task(self, digest: str, body: bytes, certificate: Detail, parts: Parts, client: Client) -> Order:
         task = None if b'"set"' in body else self._budgets(body)

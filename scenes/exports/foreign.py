@@ -24,11 +24,9 @@ from assur.scenes.schema.robots import MOST_JERK
 from assur.scenes.units import twin_of
 
 if TYPE_CHECKING:
-    from assur.planner.arrays import FloatArray
     from assur.planner.model.outcome import Plan
     from assur.planner.model.scene import Scene
     from assur.planner.trajectory import Trajectory
-    from assur.scenes.conventions import Conventions
     from assur.scenes.reading.cell import Cell
     from assur.scenes.resampling.foreign import Violation
     from assur.scenes.schema.export import FirstViolation, ForeignTrajectoryDocument

@@ -34,8 +34,7 @@ class Carried:
 
 
 class Origins:
-    """Where values of cell and task were set. A fault inside has its place there; of a part that is `carried` over from
-    a plan it names the part."""
+    """Where values of cell and task were set, and which parts are `carried` over from a plan: faults name these."""
 
     def __init__(self, carried: Carried | None = None) -> None:
         self.carried = carried or Carried()
@@ -47,12 +46,9 @@ class Origins:
         self._changed.insert(0, (f"{name}.", made))
         return made.document
 
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        if isinstance(error, InputError) and (self._changed or self.carried.parts):
-            raise documented(error).relocated(self.field) from error
+    def located(self) -> AbstractContextManager[None]:
+        """A fault inside is at the place where its value was set."""
+        return raised_as(lambda error: documented(error).relocated(self.field))
 
     def field(self, field: str) -> str:
         """The place of a field of the cell or the task."""
