@@ -33,7 +33,7 @@ T = TypeVar("T")
 
 
 def progress(items: Iterable[T], about: str, total: float | None = None) -> Iterable[T]:
-    """The items; how many of them are over is shown on standard error. `total`: their number, where they have no length."""
+    """The items; standard error shows how many are over. `total`: their number, where they have no length."""
     return track(items, about, total, console=Console(stderr=True))
 
 

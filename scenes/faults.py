@@ -358,18 +358,15 @@ class _Located(Refused):
         return self._error
 
 
-class located:
+@contextmanager
+def located(document: object) -> Iterator[None]:
     """A part that is refused inside becomes a fault of `document`."""
-
-    def __init__(self, document: object) -> None:
-        self._document = document
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        if isinstance(error, FAULTS) and isinstance(found := fault_at(error), Refused):
-            raise found.fault(self._document) from error
+    try:
+        yield
+    except FAULTS as error:
+        if isinstance(found := fault_at(error), Refused):
+            raise found.fault(document) from error
+        raise
 
 
 def _follow(document: object, path: Path, field: str) -> Path:
