@@ -125,7 +125,7 @@ def plan(
     if checked and certificate == "digest":
         answer["certificate"] = {key: answer["certificate"][key] for key in ("digest", "rows", "covers")}
     if out is not None:
-        plan_files.write(out, plan_files.plan_file_of(given, answer))
+        plan_files.write(out, given, answer)
     if as_json:
         show_json(answer)
     elif not piped:

@@ -11,7 +11,7 @@ import typer
 
 from assur.scenes import load
 from benchmarks.commits import ask, planning
-from benchmarks.figures import Document, figure, finish, quantile
+from benchmarks.figures import Document, figure, finish, of_planned
 from benchmarks.first_answer import refusals
 from benchmarks.judged import problem_set
 from benchmarks.machine import ROOT, pin
@@ -34,12 +34,9 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few seeds.")] = Fa
             if seed >= 0:  # the first warms up: it reads the meshes
                 records[f"seed {seed}"] = answer | {"findings": [] if good else [str(answer["reason"])]}
 
-    def at(share: float, rows: list[Document]) -> float | None:
-        return quantile([1e3 * row["wall_s"] for row in rows], share)
-
     figures = [
-        figure("pick from a belt and place on a dial, median", [records], lambda rows: at(0.5, rows), "ms", (10,)),
-        figure("pick from a belt and place on a dial, 95 %", [records], lambda rows: at(0.95, rows), "ms"),
+        figure("pick from a belt and place on a dial, median", [records], of_planned("wall_s", 0.5), "ms", (10,)),
+        figure("pick from a belt and place on a dial, 95 %", [records], of_planned("wall_s", 0.95), "ms"),
         refusals(records)[0],
     ]
     finish("demo_cycle", "the demo's pick and place", quick, parameters, records, figures)

@@ -11,12 +11,10 @@ from collections.abc import Mapping
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
-from rich.progress import track
 
 from benchmarks.best_known import PATH, Known, found, lower, merged, read
 from benchmarks.commits import ask, planning
-from benchmarks.figures import Document, Figure, Records, figure, finish, quantile
+from benchmarks.figures import Document, Figure, Records, figure, finish, progress, quantile
 from benchmarks.first_answer import refusals
 from benchmarks.judged import SETS, judged, label, problem_set
 from benchmarks.machine import ROOT, pin
@@ -41,7 +39,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="A sample of the pr
         problems, title = problem_set(name), label(name, match)
         with planning(ROOT, problems) as program:
             runs = [(budget, problem) for budget, every in budgets.items() for problem in problems.problems[::every]]
-            for budget, problem in track(runs, title, console=Console(stderr=True)):
+            for budget, problem in progress(runs, title):
                 document = request(problem, problems.limits, Terms(budget, "budget", match))
                 answer = judged(problems, problem, ask(program, document), match, document)
                 records[f"{budget:g}/{title}/{problem['id']}"] = answer

@@ -11,10 +11,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from rich.console import Console
+from rich.progress import track
 from rich.table import Table
 
 from benchmarks.machine import ROOT, commit, machine, sources
@@ -28,6 +29,12 @@ SAMPLES = ROOT / "out" / "bench" / "quick"
 """Folder for results of a sample: no page is filled from there."""
 WIDTH = 120
 """Characters of the tables, where the terminal has not more."""
+T = TypeVar("T")
+
+
+def progress(items: Iterable[T], about: str, total: float | None = None) -> Iterable[T]:
+    """The items; standard error shows how many are over. `total`: their number, where they have no length."""
+    return track(items, about, total, console=Console(stderr=True))
 
 
 @dataclass(frozen=True)

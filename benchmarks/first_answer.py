@@ -12,11 +12,9 @@ from dataclasses import replace
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
-from rich.progress import track
 
 from benchmarks.commits import ask, planning, sources
-from benchmarks.figures import Document, Figure, Records, figure, finish, of_planned
+from benchmarks.figures import Document, Figure, Records, figure, finish, of_planned, progress
 from benchmarks.judged import SETS, judged, label, problem_set
 from benchmarks.machine import ROOT, pin
 from benchmarks.translation import Terms, request
@@ -36,7 +34,6 @@ def main(
     seeds = 1 if quick else SEEDS
     parameters: Document = {"budget_s": BUDGET_S, "seeds": seeds, "every": SAMPLE if quick else 1, "pinned": pin()}
     records: dict[str, Document] = {}
-    console = Console(stderr=True)
     for name, match in SETS:
         problems = problem_set(name)
         with ExitStack() as stack:
@@ -44,7 +41,7 @@ def main(
             if beside is not None:
                 programs[beside] = stack.enter_context(planning(stack.enter_context(sources(beside)), problems))
             runs = [(seed, problem) for seed in range(seeds) for problem in problems.problems[:: parameters["every"]]]
-            for i, (seed, problem) in enumerate(track(runs, label(name, match), console=console)):
+            for i, (seed, problem) in enumerate(progress(runs, label(name, match))):
                 document = request(problem, problems.limits, Terms(BUDGET_S, "first", match, seed))
                 for by in list(programs) if i % 2 else reversed(programs):
                     answer = judged(problems, problem, ask(programs[by], document), match, document)

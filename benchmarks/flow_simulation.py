@@ -13,13 +13,11 @@ from typing import Annotated
 
 import numpy as np
 import typer
-from rich.console import Console
-from rich.progress import track
 
 import assur
 from assur.planner.selection.names import RULES
 from assur.scenes.simulation.simulate import interval
-from benchmarks.figures import Document, figure, finish
+from benchmarks.figures import Document, figure, finish, progress
 from benchmarks.flows import FLOWS, flow
 from benchmarks.machine import pin
 
@@ -43,7 +41,7 @@ def main(
         raise typer.BadParameter(f"--seeds: got {seeds}; allowed: 2 or more, for an interval")
     parameters: Document = {"minutes": minutes, "seeds": seeds, "pinned": pin()}
     assur.simulate(flow(RHYTHM), minutes=FIRST_MINUTES)
-    records = {name: compared(name, minutes, seeds) for name in track(FLOWS, "cells", console=Console(stderr=True))}
+    records = {name: compared(name, minutes, seeds) for name in progress(FLOWS, "cells")}
     every, rhythm, two = records, {RHYTHM: records[RHYTHM]}, {TWO: records[TWO]}
 
     def least(key: str) -> Callable[[list[Document]], float | None]:

@@ -16,12 +16,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.progress import track
 
 import assur
 from assur.scenes.session.log import read_log
-from benchmarks.figures import Document, Figure, figure, finish
+from benchmarks.figures import Document, Figure, figure, finish, progress
 from benchmarks.flows import FLOWS, flow
 from benchmarks.judge.faults import Violation
 from benchmarks.judge.sessions import broken_sessions
@@ -43,7 +41,7 @@ def main(
     runs = [(name, seed + k) for k in range(seeds) for name in FLOWS]
     records: dict[str, Document] = {}
     try:
-        for name, number in track(runs, "runs", console=Console(stderr=True)):
+        for name, number in progress(runs, "runs"):
             records[f"{name}, seed {number}"] = judged(name, minutes, number)
     except KeyboardInterrupt:
         if not records:

@@ -13,14 +13,12 @@ import time
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.progress import track
 
 from assur import Cell, check
 from assur.planner.model.deadline import Stopwatch
 from assur.scenes.requests import plan_document
 from assur.scenes.tasks.kept_cell import KeptCellFile
-from benchmarks.figures import Document, figure, finish, of_planned
+from benchmarks.figures import Document, figure, finish, of_planned, progress
 from benchmarks.judged import judged, label, problem_set
 from benchmarks.machine import pin
 from benchmarks.translation import Terms, request
@@ -70,7 +68,7 @@ def measured(name: str, cells: int) -> dict[str, Document]:
     """The records of the requests in the first cells of a set."""
     problems = problem_set(name)
     records: dict[str, Document] = {}
-    for number in track(range(cells), name, console=Console(stderr=True)):
+    for number in progress(range(cells), name):
         cell = Cell(request(problems.problems[number], problems.limits, Terms()))
         for ahead in range(1, EACH + 2):
             other = problems.problems[(number + ahead) % len(problems.problems)]

@@ -12,11 +12,9 @@ from typing import Annotated, Any
 import numpy as np
 import ruckig
 import typer
-from rich.console import Console
-from rich.progress import track
 
 from benchmarks.commits import ask, planning
-from benchmarks.figures import Document, figure, finish, quantile
+from benchmarks.figures import Document, figure, finish, progress, quantile
 from benchmarks.first_answer import refusals
 from benchmarks.judge.arms import Arm
 from benchmarks.judge.spline import Spline
@@ -44,7 +42,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="A few legs.")] = F
     problems = problem_set("static")
     records: dict[str, Document] = {}
     with planning(ROOT, problems) as program:
-        for number in track(range(parameters["legs"]), "legs", console=Console(stderr=True)):
+        for number in progress(range(parameters["legs"]), "legs"):
             start, end = ends(number, problems.limits)
             q = along(start, end, (0.0, 0.0), SIGN, CHECKED)
             problem = {"id": number, "start": q[0].tolist(), "goal": {"pos": end, "yaw": 0.0}, "obstacles": []}

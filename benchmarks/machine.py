@@ -62,13 +62,8 @@ def pin() -> str:
     """Keep this process, and those it starts, on one core where the system can; in words, what was done."""
     if not hasattr(os, "sched_setaffinity"):
         return "not pinned: this system cannot"
-    core = max(_cores())
-    os.sched_setaffinity(0, {core})
+    os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     return "one core by sched_setaffinity, one thread each for OpenMP, OpenBLAS and MKL"
-
-
-def _cores() -> set[int]:
-    return set(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else set()
 
 
 def _cpu() -> str:

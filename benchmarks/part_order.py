@@ -14,11 +14,9 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from rich.console import Console
-from rich.progress import track
 
 from assur.planner.selection.names import RULES
-from benchmarks.figures import Document, figure, finish
+from benchmarks.figures import Document, figure, finish, progress
 from benchmarks.selection.cells import CELLS, Cell, stream, tables
 from benchmarks.selection.running import run
 
@@ -35,9 +33,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few seeds, one spe
     seeds, speeds, loads = (FEW_SEEDS, FEW_SPEEDS, FEW_LOADS) if quick else (SEEDS, SPEEDS, LOADS)
     records: dict[str, Document] = {}
     ordered(CELLS["one lane"], 1)  # compiles before anything is timed
-    for name, speed, load in track(
-        list(itertools.product(CELLS, speeds, loads)), "streams", console=Console(stderr=True)
-    ):
+    for name, speed, load in progress(list(itertools.product(CELLS, speeds, loads)), "streams"):
         records[f"{name}, {1e3 * speed:g} mm/s, load {load:g}"] = {
             "cell": name, "speed": speed, "load": load, **compared(CELLS[name].at_speed(speed), load, seeds),
         }  # fmt: skip

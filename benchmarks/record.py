@@ -23,12 +23,12 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 from rich.console import Console
-from rich.progress import track
 
 from assur.scenes.bundle import bundle_document
 from assur.scenes.kernels import load
 from assur.scenes.requests import plan_document, plan_scenario
 from assur.scenes.scenarios import shipped, shipped_scenarios
+from benchmarks.figures import progress
 from benchmarks.judge.product import BAD_INPUT, planned
 from benchmarks.judged import SETS, label, problem_set
 from benchmarks.random_requests.kinds import KINDS, random_cell
@@ -50,7 +50,7 @@ SAME_S = 1e-9
 SOLVED, EQUAL, LENGTH = 0.01, 0.95, 0.002
 """Gates of a group: largest change of the share that is solved, least share of equal durations, and largest relative
 change of the median and of the 95 % quantile of the durations of what has a plan before and now."""
-CONSOLE, PROGRESS = Console(width=120), Console(stderr=True)
+CONSOLE = Console(width=120)
 
 
 def without_readings(answer: Any) -> Any:
@@ -229,13 +229,13 @@ def main(
     load()
     durations: dict[str, Durations] = {}
     if "scenarios" in parts:
-        names = track(list(shipped_scenarios()), "scenarios", console=PROGRESS)
+        names = progress(list(shipped_scenarios()), "scenarios")
         durations["scenarios"] = record_scenarios(folder, names)
     if "sets" in parts:
         total = SEEDS * len(SETS)
-        durations |= dict(track(record_sets(SEEDS), "sets", total, console=PROGRESS))
+        durations |= dict(progress(record_sets(SEEDS), "sets", total))
     if "cells" in parts:
-        durations["random cells"], digests = record_cells(track(range(cells), "cells", console=PROGRESS))
+        durations["random cells"], digests = record_cells(progress(range(cells), "cells"))
         write(folder / "cells.json", digests)
     write(folder / "durations.json", durations)
     if against is not None:

@@ -12,11 +12,9 @@ from typing import Annotated
 
 import numpy as np
 import typer
-from rich.console import Console
-from rich.progress import track
 
 from benchmarks.commits import ask, planning
-from benchmarks.figures import Document, Figure, Records, figure, finish
+from benchmarks.figures import Document, Figure, Records, figure, finish, progress
 from benchmarks.first_answer import refusals
 from benchmarks.judged import judged, problem_set
 from benchmarks.machine import ROOT, pin
@@ -39,7 +37,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few sizes and cell
     records: dict[str, Document] = {}
     with planning(ROOT, problems) as program:
         runs = [(kind, cell, i) for kind in sizes for cell in range(cells) for i in range(repeats)]
-        for kind, cell, i in track(runs, "scaling", console=Console(stderr=True)):
+        for kind, cell, i in progress(runs, "scaling"):
             for size in sizes[kind]:
                 problem = crowd(cell, size) if kind == "distant" else aside(cell, size)
                 document = request(problem, problems.limits, Terms(BUDGET_S))

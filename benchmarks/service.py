@@ -18,12 +18,10 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
-from rich.progress import track
 
 from assur.scenes import check
 from benchmarks.checker_refusals import codes_of
-from benchmarks.figures import Document, figure, finish, quantile
+from benchmarks.figures import Document, figure, finish, progress, quantile
 from benchmarks.judged import judged, problem_set
 from benchmarks.soak_service.client import Client
 from benchmarks.soak_service.served import served
@@ -49,7 +47,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few round trips.")
         client = service.client(timeout=60.0)
         for i in range(WARM):
             trip(client, request(unrelated_problem(i, False), problems.limits, Terms()), "full")
-        for problem in track(solvable, "service", console=Console(stderr=True)):
+        for problem in progress(solvable, "service"):
             document = request(problem, problems.limits, Terms(BUDGET_S, "first"))
             digest_s, short = trip(client, document, "digest")
             full_s, whole = trip(client, document, "full")

@@ -12,11 +12,9 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from rich.console import Console
-from rich.progress import track
 
 from assur import Cell
-from benchmarks.figures import Document, figure, finish, of_planned
+from benchmarks.figures import Document, figure, finish, of_planned, progress
 from benchmarks.judge.spline import Spline
 from benchmarks.judged import problem_set
 from benchmarks.machine import pin
@@ -41,7 +39,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Few motions.")] = 
     easy = [problem for problem in problems.problems if problem["direct"]][: parameters["problems"]]
     random = np.random.default_rng(1)
     records: dict[str, Document] = {}
-    for problem in track(easy, "session", console=Console(stderr=True)):
+    for problem in progress(easy, "session"):
         document = request(problem, problems.limits, Terms(1.0, "first"))
         cell = Cell(document)
         answer = cell.plan(certificate="digest")

@@ -12,11 +12,9 @@ import time
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.progress import track
 
 from assur import Session, check
-from benchmarks.figures import Document, figure, finish, of_planned
+from benchmarks.figures import Document, figure, finish, of_planned, progress
 from benchmarks.machine import pin
 
 CYCLES, FEW, FIRST = 500, 20, 10
@@ -63,7 +61,7 @@ def measured(cycles: int) -> dict[str, Document]:
     """The records of so many cycles. Whether `assur.check` accepts an answer is not in the times: the session has
     its plan checked."""
     session, records = Session(CELL, start=START, refuge="home"), dict[str, Document]()
-    for number in track(range(FIRST + cycles), "cycles", console=Console(stderr=True)):
+    for number in progress(range(FIRST + cycles), "cycles"):
         if number == FIRST:
             gc.collect()
             gc.freeze()  # as in a service: what the libraries have made is not looked through again

@@ -12,12 +12,10 @@ from __future__ import annotations
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.progress import track
 
 from benchmarks.best_known import PATH, found, lower
 from benchmarks.commits import WARM_UP_SEEDS, ask, planning
-from benchmarks.figures import Document, Figure, Records, finish, quantile, unclean
+from benchmarks.figures import Document, Figure, Records, finish, progress, quantile, unclean
 from benchmarks.judge.problems import Finding, recheck
 from benchmarks.judged import judged, label, problem_set
 from benchmarks.machine import ROOT, pin
@@ -44,7 +42,7 @@ def main(quick: Annotated[bool, typer.Option("--quick", help="Every tenth proble
             standing["obstacles"] = standing["obstacles"][:1]
             for name in TITLES:
                 others.ask(name, question(standing, problems.limits, BUDGET_S))
-        for problem in track(problems.problems[:: parameters["every"]], "peers", console=Console(stderr=True)):
+        for problem in progress(problems.problems[:: parameters["every"]], "peers"):
             document = request(problem, problems.limits, Terms(BUDGET_S, "first"))
             records[f"{OURS}/{problem['id']}"] = judged(problems, problem, ask(program, document), "position", document)
             for name, title in TITLES.items():

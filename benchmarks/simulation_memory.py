@@ -12,12 +12,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.progress import track
 
 from assur.scenes.simulation.cell import simulated
 from assur.scenes.simulation.run import Run
-from benchmarks.figures import Document, figure, finish
+from benchmarks.figures import Document, figure, finish, progress
 from benchmarks.flows import flow
 
 PARTS, FEW_PARTS = 100_000, 40
@@ -50,7 +48,7 @@ def measured(parts: int, readings: int = READINGS) -> dict[str, Document]:
     """The records of a run of so many parts: the resident memory, MiB, and the motions until then."""
     until_s, records = parts * PERIOD_S, dict[str, Document]()
     run = Run(simulated(flow(CELL)), 1, until_s, 20.0)
-    for number in track(range(1, readings + 1), "parts", console=Console(stderr=True)):
+    for number in progress(range(1, readings + 1), "parts"):
         while run.session.clock_s < until_s * number / readings:
             run.step()
         gc.collect()

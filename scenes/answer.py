@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from typing import Any, Literal, cast
 
-from assur.planner.model.input_warning import InputWarning
 from assur.planner.model.load import Carried
 from assur.planner.model.outcome import (
     Arrival,
@@ -20,7 +19,6 @@ from assur.planner.model.outcome import (
     Outcome,
     Plan,
     Planned,
-    Relaxation,
 )
 from assur.planner.model.phases import phases
 from assur.planner.model.refusal import Reason
@@ -50,13 +48,14 @@ def answer_of(
     """The answer. `certificate`: all its columns, or its digest and length only."""
     if isinstance(outcome, Planned):
         return _planned(cell, outcome, certificate)
+    change = outcome.relaxation
     return _not_planned(
         outcome,
         _common(outcome, cell.scene.digest, full=_is_full(cell.scene)),
         _census(cell.scene, outcome.census),
         None if outcome.refusal is None else refusal_document(cell.scene, outcome.refusal, outcome.witness),
         None if outcome.best is None else _best(cell, outcome.best),
-        None if outcome.relaxation is None else _relaxation(cell, outcome.relaxation),
+        None if change is None else document_of(change, set=values_of(cell, change.scene)),
     )
 
 
@@ -141,7 +140,7 @@ def _common(outcome: Outcome, digest: str, *, full: bool) -> dict[str, Any]:
     """What every answer ends with. `digest`: of the request; `full`: with warnings."""
     return {
         "assumptions": list(outcome.assumptions),
-        **({"warnings": [_warning(each) for each in outcome.warnings]} if full else {}),
+        **({"warnings": [document_of(each, detail=warned(each)) for each in outcome.warnings]} if full else {}),
         "seed": int(outcome.seed),
         "elapsed_s": number(outcome.elapsed_s),
         "cut_by_clock": bool(outcome.cut_by_clock),
@@ -174,10 +173,6 @@ def unbuilt(request: RequestDocument, budget_s: float, elapsed_s: float, during:
     return _not_planned(outcome, _common(outcome, request.digest, full=request.options.report == "full"), none)
 
 
-def _relaxation(cell: Cell, relaxation: Relaxation) -> document.Relaxation:
-    return cast(document.Relaxation, document_of(relaxation, set=values_of(cell, relaxation.scene)))
-
-
 def _best(cell: Cell, best: BestCandidate) -> document.BestCandidate:
     motion = {
         "trajectory": trajectory_document(cell, best.trajectory),
@@ -185,10 +180,6 @@ def _best(cell: Cell, best: BestCandidate) -> document.BestCandidate:
         "arrivals": [arrival_document(cell, best.trajectory, arrival) for arrival in best.arrivals],
     }
     return cast(document.BestCandidate, document_of(best, **motion))
-
-
-def _warning(warning: InputWarning) -> document.InputWarning:
-    return cast(document.InputWarning, document_of(warning, detail=warned(warning)))
 
 
 def certificate_document(certificate: Certificate, detail: Detail) -> document.Certificate | document.CertificateDigest:

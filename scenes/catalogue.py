@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import FaultError, InputError
 from assur.scenes.bounds import MAX_YAML_BYTES
-from assur.scenes.faults import DocumentError, dotted, likeliest, located, within
+from assur.scenes.faults import DocumentError, dotted, likeliest, located, raised_as, within
 from assur.scenes.files import below, empty, with_meshes
 from assur.scenes.not_requests import refuse_but
 from assur.scenes.robot_facts import assumptions, listed
@@ -90,11 +90,9 @@ def load_robot(path: Path) -> RobotFile:
         document, lines = parse_yaml(data)
         if document is None:
             raise empty(path, allowed)
-        try:
+        with raised_as(lambda error: with_line(error, lines)):
             found = _robot_file(with_meshes(document, path.parent))
             found.built()
-        except InputError as error:
-            raise with_line(error, lines) from error
     except DocumentError as error:
         own = (*WHOLE, path.name)
         raise error.relocated(lambda field: path.name if field in own else f"{path.name}: {field}") from error

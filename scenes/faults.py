@@ -7,7 +7,8 @@ by SI names. Here it becomes the path with the keys as they were written (`speed
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 from assur.planner.errors import InputError
@@ -94,6 +95,15 @@ class DocumentError(InputError):
 def documented(error: InputError) -> DocumentError:
     """A fault as one of a document."""
     return error if isinstance(error, DocumentError) else DocumentError(error.field, error.value, error.allowed)
+
+
+@contextmanager
+def raised_as(make: Callable[[InputError], Exception]) -> Iterator[None]:
+    """An `InputError` that is raised inside is raised as what `make` makes of it."""
+    try:
+        yield
+    except InputError as error:
+        raise make(error) from error
 
 
 def _as_mapping(error: InputError) -> dict[str, Any]:
@@ -348,18 +358,15 @@ class _Located(Refused):
         return self._error
 
 
-class located:
+@contextmanager
+def located(document: object) -> Iterator[None]:
     """A part that is refused inside becomes a fault of `document`."""
-
-    def __init__(self, document: object) -> None:
-        self._document = document
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        if isinstance(error, FAULTS) and isinstance(found := fault_at(error), Refused):
-            raise found.fault(self._document) from error
+    try:
+        yield
+    except FAULTS as error:
+        if isinstance(found := fault_at(error), Refused):
+            raise found.fault(document) from error
+        raise
 
 
 def _follow(document: object, path: Path, field: str) -> Path:

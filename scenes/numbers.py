@@ -1,10 +1,22 @@
-"""Numbers of an answer: what a plan depends on is finite, what only informs may be missing."""
+"""Numbers of an answer: what a plan depends on is finite, what only informs may be missing; and what counts as rest."""
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from assur.planner.errors import FaultError
+
+RESTING = 1e-9
+"""A joint's velocity in rad/s or m/s up to which it is at rest, and a time in s up to which a knot is that of an
+arrival: rounding of what is written down."""
+
+
+def at_rest(trajectory: dict[str, Any], time_s: float) -> bool:
+    """Whether all joints of a trajectory, a part of an answer, stand at the knots of a time, s."""
+    knots = zip(trajectory["time_s"], trajectory["velocity"], strict=True)
+    there = (rates for time, rates in knots if abs(time - time_s) <= RESTING)
+    return any(all(abs(rate) <= RESTING for rate in rates) for rates in there)
 
 
 def number(value: float) -> float:

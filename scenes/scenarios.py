@@ -42,16 +42,17 @@ def load_scenario(
 ) -> Scenario:
     """The scenario in a YAML file. `after`: the end of the plan where it begins; it is a task then, in which values are
     `given` by their paths. Raises `DocumentError` with the line, or `OSError` for a file that is not there."""
-    return _scenario(*parse_yaml(_text(path)), path, after, given)
+    return _scenario(*parse_yaml(yaml_in(path)), path, after, given)
 
 
 def load_yaml(path: Path) -> Scenario | dict[str, Any]:
     """The scenario in a YAML file, or the cell, with what the files hold that it names. Raises as `load_scenario`."""
-    document, lines = parse_yaml(_text(path))
+    document, lines = parse_yaml(yaml_in(path))
     return cell_document(document, lines, path.parent) if is_cell(document) else _scenario(document, lines, path)
 
 
-def _text(path: Path) -> bytes:
+def yaml_in(path: Path) -> bytes:
+    """The text of a YAML file. Raises `DocumentError` where it is known to be something else, or `OSError`."""
     with path.open("rb") as file:
         data = file.read(MAX_YAML_BYTES + 1)
     refuse_text(data, path)

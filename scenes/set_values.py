@@ -7,13 +7,13 @@ number from 0, `task.0` or `task[0]`.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from typing import Any
 
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_DEPTH
-from assur.scenes.faults import DocumentError, choices, documented, dotted, likeliest
+from assur.scenes.faults import DocumentError, choices, documented, dotted, likeliest, raised_as
 from assur.scenes.units import from_si, si_key, to_si, twin_of
 
 Keys = Sequence[str]
@@ -80,13 +80,9 @@ class Changed:
         """The fields that were set."""
         return tuple(self._whole)
 
-    @contextmanager
-    def located(self) -> Iterator[None]:
+    def located(self) -> AbstractContextManager[None]:
         """A fault of the document inside is at the place where the value was set."""
-        try:
-            yield
-        except InputError as error:
-            raise documented(error).relocated(self.field) from error
+        return raised_as(lambda error: documented(error).relocated(self.field))
 
     def field(self, field: str) -> str:
         """Where a field of the document was written: where it was set, or in the document."""

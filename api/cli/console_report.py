@@ -18,6 +18,7 @@ from rich.text import Text
 
 from assur.api.problems import printable
 from assur.planner.report.number_format import amount
+from assur.scenes.numbers import at_rest
 from assur.scenes.schema.task import TAKEN_AWAY
 
 WIDTH = 110
@@ -27,10 +28,6 @@ CENSUS_LINES = 8
 
 BEFORE = ("control point", "inverse")
 """Stages that look at poses and times at which a point could be met; candidates are ways to those that are left."""
-RESTING = 1e-9
-"""A joint's velocity in rad/s or m/s up to which it is at rest, and a time in s up to which a knot is that of an
-arrival: rounding of what is written down."""
-
 APART_M = 0.002
 """A larger distance of a part from tool or support is reported, m: jaws that are open are nearer."""
 
@@ -181,12 +178,7 @@ def _apart(arrivals: list[dict[str, Any]]) -> Iterator[Table | str]:
 
 def _met(trajectory: dict[str, Any], arrival: dict[str, Any]) -> str:
     """How a point was met: with its velocity, standing still where it does; nothing for what is flown by."""
-    rates = (
-        rate
-        for time, rate in zip(trajectory["time_s"], trajectory["velocity"], strict=True)
-        if abs(time - arrival["time_s"]) <= RESTING
-    )
-    if any(all(abs(x) <= RESTING for x in rate) for rate in rates):
+    if at_rest(trajectory, arrival["time_s"]):
         return "met, at rest"
     return "matched" if arrival["matched"] else ""
 

@@ -58,13 +58,10 @@ def answer_if_any(given: Target, path: Path | None) -> Any:
     return held.plan
 
 
-def plan_file_of(given: Target, answer: dict[str, Any]) -> bytes:
-    """The plan file of an answer to what was given. Raises `InputError` where it would be too long to be read."""
-    return plan_file_bytes(PlanFile(given.whole, answer, given.title, given.about), "--out")
-
-
-def write(out: Path, data: bytes) -> None:
-    """Writes to a file, or to standard output where it is -."""
+def write(out: Path, given: Target, answer: dict[str, Any]) -> None:
+    """Writes the plan file of an answer to what was given, to standard output where `out` is -. Raises `InputError`
+    where it would be too long to be read."""
+    data = plan_file_bytes(PlanFile(given.whole, answer, given.title, given.about), "--out")
     if str(out) == STANDARD:
         sys.stdout.buffer.write(data)
     else:

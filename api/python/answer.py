@@ -149,6 +149,7 @@ class Answer(Mapping[str, Any]):
         whose certificate is not in full, and for another cell, at the field that differs.
         """
         from assur.api.python.calls import document_of
+        from assur.scenes.faults import raised_as
         from assur.scenes.tasks.kept_cell import of_task
         from assur.scenes.tasks.next_task import checked_end, next_fields, next_request, next_values
 
@@ -158,10 +159,8 @@ class Answer(Mapping[str, Any]):
             document = document_of(cell)
         end = checked_end(request, self._document)
         if document is not None and "task" not in document:
-            try:
+            with raised_as(of_task):
                 return next_fields(document, made, end, task)
-            except InputError as error:
-                raise of_task(error) from error
         if parts:
             allowed = "none: the parts of a request are bodies; add them to those that are returned"
             raise InputError("parts", made["parts"], allowed)
@@ -199,7 +198,8 @@ class Answer(Mapping[str, Any]):
         if height_px not in range(1, MOST_HIGH_PX + 1):
             raise InputError("height_px", height_px, f"a whole number of pixels from 1 to {MOST_HIGH_PX}")
         shown = Shown(page_of(self._known_request(), self._document, title, ""), height_px)
-        tell_where_there_is_no_notebook()
+        if not any(name in sys.modules for name in NOTEBOOKS):
+            warnings.warn(f"no notebook is running here, so nothing is shown; {ELSEWHERE}", stacklevel=2)
         return shown
 
     def _known_request(self) -> dict[str, Any]:
@@ -285,9 +285,3 @@ def page_of(request: Mapping[str, Any], answer: Mapping[str, Any], title: str, a
     from assur.scenes.requests import cell_of
 
     return checked_report(cell_of(dict(request)), dict(answer), title, about)[0]
-
-
-def tell_where_there_is_no_notebook() -> None:
-    """Warns the caller's caller where no notebook shows what `show` gives."""
-    if not any(name in sys.modules for name in NOTEBOOKS):
-        warnings.warn(f"no notebook is running here, so nothing is shown; {ELSEWHERE}", stacklevel=3)

@@ -12,14 +12,13 @@ from assur.api.documents import json_response
 from assur.api.problems import Problem
 from assur.api.web import plan_files
 from assur.api.web.clients import client_of
-from assur.api.web.mesh_routes import digest_of, folder_of, keep, require_digest, until
+from assur.api.web.mesh_routes import digest_of, folder_of, keep, require_digest, until, uploaded
 from assur.api.web.request_log import FACTS
 from assur.api.web.routes import certificate_of, once, read_admitted, service_of, unless_gone
 from assur.api.web.settings import PLAN_BODY_BYTES
-from assur.api.web.uploads import Uploads
 from assur.api.workers import cell_jobs
 from assur.api.workers.answer_parts import NAMES, parts_wanted
-from assur.planner.errors import InputError
+from assur.scenes.faults import raised_as
 from assur.scenes.meshes.folder import StoredFile
 
 
@@ -35,16 +34,12 @@ async def put_cell(request: Request) -> Response:
     folder, digest = folder_of(request), digest_of(request)
     content = await read_admitted(request, PLAN_BODY_BYTES)
     require_digest(digest, content)
-    uploads: Uploads = request.app.state.uploads
-    client = client_of(request)
-    uploads.add(client.name, len(content))
-    is_new = False
-    try:
-        await service_of(request).quick(cell_jobs.check_cell, client, content)
-        is_new = await asyncio.to_thread(keep, folder, digest, content, "cell")
-    finally:
-        if not is_new:
-            uploads.take_back(client.name, len(content))
+
+    async def kept() -> bool:
+        await service_of(request).quick(cell_jobs.check_cell, client_of(request), content)
+        return await asyncio.to_thread(keep, folder, digest, content, "cell")
+
+    is_new = await uploaded(request, kept, len(content))
     request.scope[FACTS]["outcome"] = "new" if is_new else "known"
     return _response(digest, folder.known(digest, "cell"), 201 if is_new else 200)
 
@@ -59,10 +54,8 @@ async def plan_task(request: Request) -> Response:
     how, client = plan_files.file_wanted(request), client_of(request)
     if how is None:
         certificate = certificate_of(request)
-        try:
+        with raised_as(Problem.of_input):
             parts = parts_wanted(*map(request.query_params.get, NAMES))
-        except InputError as error:
-            raise Problem.of_input(error) from error
         body = await read_admitted(request, PLAN_BODY_BYTES, "certificate", *NAMES, *plan_files.NAMES)
     else:
         body = await read_admitted(request, PLAN_BODY_BYTES, *plan_files.NAMES)

@@ -7,6 +7,7 @@ import hashlib
 import json
 import logging
 import time
+from collections.abc import Awaitable, Callable
 from datetime import UTC, datetime
 from typing import get_args
 
@@ -50,18 +51,10 @@ async def put_mesh(request: Request) -> Response:
     content = await read_admitted(request, MAX_MESH_BYTES, "format", "unit", json=False)
     if not content:
         raise Problem.of_input(InputError("body", "0 bytes", "the bytes of a mesh file"))
-    uploads: Uploads = request.app.state.uploads
-    client = client_of(request)
-    uploads.add(client.name, len(content))
-    is_new = False
-    try:
-        is_new = await asyncio.to_thread(keep, folder, digest, content)
-    finally:
-        if not is_new:
-            uploads.take_back(client.name, len(content))
+    is_new = await uploaded(request, lambda: asyncio.to_thread(keep, folder, digest, content), len(content))
     cover = None
     if how is not None:
-        found = json.loads((await service_of(request).quick(jobs.cover, client, digest, *how)).body)
+        found = json.loads((await service_of(request).quick(jobs.cover, client_of(request), digest, *how)).body)
         cover = Covered(pieces=found["pieces"], excess_m=found["excess_m"])
     request.scope[FACTS]["outcome"] = "new" if is_new else "known"
     return _response(digest, folder.known(digest), cover, 201 if is_new else 200)
@@ -108,6 +101,20 @@ def require_digest(digest: str, content: bytes) -> None:
     if there != digest:
         error = FieldError("body", f"{len(content)} bytes with the SHA-256 {there}", f"bytes with the SHA-256 {digest}")
         raise Problem("bad-input", str(error), (error,))
+
+
+async def uploaded(request: Request, kept: Callable[[], Awaitable[bool]], size: int) -> bool:
+    """Whether a file of so many bytes is new, as `kept` says; those count as an upload of the client. Raises
+    `Problem`."""
+    uploads: Uploads = request.app.state.uploads
+    name, is_new = client_of(request).name, False
+    uploads.add(name, size)
+    try:
+        is_new = await kept()
+    finally:
+        if not is_new:
+            uploads.take_back(name, size)
+    return is_new
 
 
 def keep(folder: MeshFolder, digest: str, content: bytes, kind: Kind = "mesh") -> bool:

@@ -177,16 +177,14 @@ LINKS: dict[tuple[str, str, int], dict[str, dict[str, Any]]] = {
     **{
         (path, "post", 202): {
             operation: {"operationId": operation, "parameters": {"name": "$response.body#/id"}}
-            for operation in ("show_job", "show_job_answer", "watch_job", "delete_job")
+            for operation in ("show_job", "show_job_answer", *pages, "watch_job", "delete_job")
         }
-        for path in ("/v1/jobs", "/v1/scenes/{name}/jobs")
-    },
-    **{
-        (path, "post", 202): {
-            operation: {"operationId": operation, "parameters": {"name": "$response.body#/id"}}
-            for operation in ("show_job", "show_job_answer", "show_job_page", "watch_job", "delete_job")
-        }
-        for path in ("/v1/simulations", "/v1/cells/{sha256}/simulations")
+        for path, *pages in (
+            ("/v1/jobs",),
+            ("/v1/scenes/{name}/jobs",),
+            ("/v1/simulations", "show_job_page"),
+            ("/v1/cells/{sha256}/simulations", "show_job_page"),
+        )
     },
 }
 """From a response (address, method, status) to what can be requested next: name of the link to its description."""

@@ -11,6 +11,7 @@ from assur.api.problems import Problem
 from assur.api.web.openapi import parameter, ref
 from assur.api.workers.file_jobs import HEADERS, MEDIA_TYPES, REPORT
 from assur.planner.errors import InputError
+from assur.scenes.faults import raised_as
 from assur.scenes.schema.export import ExportDocument, JerkRule
 from assur.scenes.schema.read import read
 
@@ -69,10 +70,8 @@ def file_wanted(request: Request) -> dict[str, Any] | None:
             raise Problem.of_input(InputError(name, text, f"{name} with the format of a controller's file only"))
         return None if form is None else {"format": REPORT}
     how = {"format": form} | {name: text if name == "jerk" else _number(name, text) for name, text in own.items()}
-    try:
+    with raised_as(Problem.of_input):
         read(ExportDocument, how)
-    except InputError as error:
-        raise Problem.of_input(error) from error
     return how
 
 

@@ -23,6 +23,7 @@ from assur.api.web.service import Order, Service
 from assur.api.web.settings import CHECK_BODY_BYTES, PLAN_BODY_BYTES
 from assur.api.workers import jobs
 from assur.planner.errors import InputError
+from assur.scenes.faults import raised_as
 from assur.scenes.requests import Detail, request_schema, robots, shipped_scenarios
 from assur.scenes.scenarios import scenario_text
 
@@ -105,10 +106,13 @@ async def scene_order(request: Request) -> Order:
     else:
         body = await read_admitted(request, PLAN_BODY_BYTES, "certificate")
     name, client = request.path_params["name"], client_of(request)
-    try:
+    with raised_as(_unknown):
         return await service_of(request).scene_order(name, body, certificate, client)
-    except InputError as error:
-        raise Problem.of_input(error, "not-found") from error
+
+
+def _unknown(error: InputError) -> Problem:
+    """The problem of a scenario that is not there."""
+    return Problem.of_input(error, "not-found")
 
 
 def answered_by(
@@ -152,17 +156,13 @@ def show_scene(request: Request) -> Response:
     name = request.path_params["name"]
     if name == "parse":  # no scenario, but an address that takes a POST
         raise Problem("method-not-allowed", "Allowed here: POST.", headers={"Allow": "POST"})
-    try:
+    with raised_as(_unknown):
         return json_response(service_of(request).scene(name))
-    except InputError as error:
-        raise Problem.of_input(error, "not-found") from error
 
 
 def show_scene_text(request: Request) -> Response:
-    try:
+    with raised_as(_unknown):
         return Response(scenario_text(request.path_params["name"]), media_type="application/yaml")
-    except InputError as error:
-        raise Problem.of_input(error, "not-found") from error
 
 
 def schema(_: Request) -> Response:

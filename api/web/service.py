@@ -33,7 +33,7 @@ from assur.api.workers.pool import Work, Workers
 from assur.api.workers.results import Results
 from assur.api.workers.traced import warm
 from assur.planner.errors import InputError
-from assur.scenes.faults import fault
+from assur.scenes.faults import fault, raised_as
 from assur.scenes.meshes.folder import MeshFolder
 from assur.scenes.requests import Detail, parse_json, shipped, stated_budgets, with_options
 from assur.scenes.scenario import with_files
@@ -95,14 +95,14 @@ class Service:
         """The file, as `how` asks for it, of the plan of what is in `body`. Raises `Problem`."""
         order = await self.order(body, "full", client)
         source = order.work.arguments[0] if order.work.job is jobs.plan_shipped else body
-        work = replace(
-            order.work,
-            job=file_jobs.plan_file,
-            arguments=(source, how, self.settings.max_budget_s),
-            key=digest_of("plan_file", order.work.key, json.dumps(how)),
-        )
+        return await self.do(self._file_order(order, file_jobs.plan_file, how, source))
+
+    def _file_order(self, order: Order, job: Callable[..., jobs.Reply], how: dict[str, Any], *source: object) -> Order:
+        """The order for the file, as `how` asks for it, of the plan of another order; `job` makes it of `source`."""
+        key = digest_of(job.__name__, order.work.key, json.dumps(how))
+        work = replace(order.work, job=job, arguments=(*source, how, self.settings.max_budget_s), key=key)
         # the file is made after the plan, as an export of it would be
-        return await self.do(Order(work, replace(order.demand, wall_s=order.demand.wall_s + self.settings.check_s)))
+        return Order(work, replace(order.demand, wall_s=order.demand.wall_s + self.settings.check_s))
 
     async def order(self, body: bytes, certificate: Detail, client: Client, *, parsed: bool = False) -> Order:
         """What is to be done about `body`, as `plan` has it. `parsed`: it is read as JSON before it is accepted, as
@@ -130,13 +130,7 @@ class Service:
     async def task_file_order(self, digest: str, body: bytes, how: dict[str, Any], client: Client) -> Order:
         """The same for the file of its plan, as `how` asks for it. Raises `Problem`."""
         order = await self.task_order(digest, body, "full", Parts(), client)
-        work = replace(
-            order.work,
-            job=cell_jobs.plan_task_file,
-            arguments=(digest, body, how, self.settings.max_budget_s),
-            key=digest_of("plan_task_file", order.work.key, json.dumps(how)),
-        )
-        return Order(work, replace(order.demand, wall_s=order.demand.wall_s + self.settings.check_s))
+        return self._file_order(order, cell_jobs.plan_task_file, how, digest, body)
 
     def _task(self, digest: str, body: bytes, certificate: Detail, parts: Parts, client: Client) -> Order:
         task = None if b'"set"' in body else self._budgets(body)
@@ -165,14 +159,12 @@ class Service:
         return read() if len(body) <= SMALL_BYTES else await self._beside(client, read)
 
     def _simulation(self, digest: str | None, body: bytes, client: Client) -> Order:
-        try:
+        with raised_as(Problem.of_input):
             question = simulation_jobs.question_in(body, with_cell=digest is None)
             own, most = question.arguments, self.settings.max_simulated_minutes
             if own.minutes * own.seeds > most:
                 allowed = f"at most {most / own.seeds:g} with seeds {own.seeds}: ASSUR_MAX_SIMULATED_MINUTES is {most}"
                 raise InputError("minutes", own.minutes, allowed)
-        except InputError as error:
-            raise Problem.of_input(error) from error
         most_s = max(question.simulated_s * (1 + PROVED * question.helps), self.settings.check_s)
         work = Work(
             simulation_jobs.simulate,
@@ -223,10 +215,8 @@ class Service:
             arguments = body, certificate, self.settings.max_budget_s
             work = Work(jobs.plan, arguments, digest_of("plan", body), in_touch=True, listens=True)
             return Order(work, self._demand(document, client))
-        try:
+        with raised_as(Problem.of_input):
             return self._scene(_scenario_name(document), {}, certificate, client)
-        except InputError as error:
-            raise Problem.of_input(error) from error
 
     def scene(self, name: str) -> dict[str, Any]:
         """The request of the shipped scenario `name`, its budgets cut to what the service gives: it can be posted here.

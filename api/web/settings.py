@@ -273,12 +273,11 @@ def memory_mib(groups: Path = GROUPS, own: Path = OWN) -> int | None:
 
 
 def _quotas(groups: Path, own: Path) -> Iterator[float]:
-    for folder in _folders(groups, own, ""):
-        quota, _, period = _read(folder / "cpu.max").partition(" ")
-        if quota.isdigit() and period.isdigit() and int(period):
-            yield int(quota) / int(period)
+    found = [_read(folder / "cpu.max") for folder in _folders(groups, own, "")]
     for folder in _folders(groups, own, "cpu"):
-        quota, period = _read(folder / "cpu.cfs_quota_us"), _read(folder / "cpu.cfs_period_us")
+        found.append(f"{_read(folder / 'cpu.cfs_quota_us')} {_read(folder / 'cpu.cfs_period_us')}")
+    for text in found:
+        quota, _, period = text.partition(" ")
         if quota.isdigit() and period.isdigit() and int(period):
             yield int(quota) / int(period)
 

@@ -22,7 +22,7 @@ from assur.api.workers.worker_process import CalledOffError, Line
 from assur.planner.errors import FaultError, InputError
 from assur.planner.model.deadline import Progress, Stopwatch
 from assur.scenes.exports.documents import check_trajectory_document, export_document
-from assur.scenes.faults import NOTHING, WHOLE, DocumentError
+from assur.scenes.faults import NOTHING, raised_as
 from assur.scenes.meshes import covered, use_folder
 from assur.scenes.meshes.folder import MeshFolder
 from assur.scenes.plan_file import FORM, TEXTS
@@ -41,6 +41,7 @@ from assur.scenes.requests import (
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import OptionsDocument
 from assur.scenes.schema.shapes import MeshDocument
+from assur.scenes.tasks.origins import within_document
 
 FIRST_PLAN: dict[str, Any] = {
     "schema": "assur/1",
@@ -298,21 +299,16 @@ def options_in(body: bytes) -> dict[str, Any]:
         if name != "options":
             raise Problem.of_input(InputError(name, value, 'no field beside "options"'))
     options = document.get("options", {})
-    try:
+    with raised_as(Problem.of_input), within_document("options"):
         read(OptionsDocument, options)
-    except DocumentError as error:
-        named = error.relocated(lambda field: "options" if field == WHOLE else f"options.{field}")
-        raise Problem.of_input(named) from error
     return dict(options)
 
 
 def _parsed(body: bytes, allowed: str, line: Line | None = None, kind: str = "") -> dict[str, Any]:
     """The object in `body`. What it means is written to `line`: the `kind` of work, and a digest that is the same for
     bodies that differ in blanks and in the order of fields. Raises `Problem`."""
-    try:
+    with raised_as(lambda error: Problem.of_input(error, "bad-syntax")):
         document = parse_json(body)
-    except InputError as error:
-        raise Problem.of_input(error, "bad-syntax") from error
     if not isinstance(document, dict):
         raise not_allowed(document, allowed)
     if line is not None:

@@ -225,15 +225,11 @@ class Campaign:
         kind after each."""
         found, number, evaluated = {kind: self.tally() for kind in self.kinds}, 0, 0
         while count is None or evaluated < count:
-            kind, own = self.kinds[number % len(self.kinds)], own_seed(seed, number // len(self.kinds))
+            # the number of the request counts for each kind
+            kind, own = self.kinds[number % len(self.kinds)], seed * 1_000_000 + number // len(self.kinds)
             number += 1
             evaluated += self.evaluate(found[kind], kind, own, self.make(kind, own), out)
             yield found
-
-
-def own_seed(seed: int, number: int) -> int:
-    """The seed of the request with this number, counted for each kind, in a campaign with `seed`."""
-    return seed * 1_000_000 + number
 
 
 def written(

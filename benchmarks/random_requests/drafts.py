@@ -114,7 +114,8 @@ class Draft(Choices):
             found["yaw_rad"] = self.between(0.0, 4e-3)
         return found
 
-    def of_part(self, scale: float = 1.0) -> Document:
+    def loosen(self, body: Document, scale: float = 1.0) -> Document:
+        """Gives a body an uncertainty, which is returned; sometimes none."""
         if self.chance(0.4):
             return {}
         found = {"position_m": self.between(0.0, 1e-3) * scale}
@@ -122,6 +123,7 @@ class Draft(Choices):
             found["yaw_rad"] = self.between(0.0, 0.03)
         if self.chance(0.4):
             found["vertical_m"] = self.between(0.0, 3e-4) * scale
+        body["uncertainty"] = found
         return found
 
     def count(self, unknown: Document) -> None:

@@ -34,9 +34,8 @@ def random_cell(kind: str, seed: int) -> Document:
 def _table(draft: Draft, name: str) -> tuple[str, list[float], list[str]]:
     angle, radius = tool_reach(draft)
     top = draft.low + draft.between(0.05, 0.3) * draft.stroke
-    draft.add_frame(
-        name, {"fixed": {"at_m": draft.at(angle, radius, top), "yaw_rad": draft.yaw(angle)}}, draft.of_frame(False, 0.7)
-    )
+    law = {"fixed": {"at_m": draft.at(angle, radius, top), "yaw_rad": draft.yaw(angle)}}
+    draft.add_frame(name, law, draft.of_frame(False, 0.7))
     draft.count(draft.request["frames"][name].get("uncertainty", {}))
     size = [4.5 * draft.half[0], 4.5 * draft.half[1], 0.02]
     draft.add_body(f"{name}-top", {"box": {"size_m": size}}, [0.0, 0.0, -0.01], frame=name)
@@ -112,10 +111,7 @@ def _handled(draft: Draft, source: str, goal: str) -> None:
     """A pick and a place, with what contacts must give way."""
     frame, at, stands = PLACES[source](draft, "source")
     part = draft.add_body("part", part_shape(draft), at, frame=frame)
-    unknown = draft.of_part()
-    if unknown:
-        part["uncertainty"] = unknown
-        draft.count(unknown)
+    draft.count(draft.loosen(part))
     part["yaw_symmetry"] = draft.one_of(1, 2) if "box" in part["shape"] else 0
     beside = draft.request.get("beside_m")
     sideways = (
@@ -210,9 +206,7 @@ def _stands(draft: Draft, name: str) -> None:
         draft.at(angle, radius, z),
         draft.between(-3.0, 3.0),
     )
-    unknown = draft.of_part(2.0)
-    if unknown:
-        body["uncertainty"] = unknown
+    draft.loosen(body, 2.0)
 
 
 def _oscillates(draft: Draft, name: str) -> None:
@@ -274,9 +268,7 @@ def _moving(draft: Draft, name: str, law: Document) -> None:
     body = draft.add_body(
         name, _shape(draft, draft.between(0.2, 0.6) * draft.stroke), [0.0, 0.0, 0.0], frame=f"{name}-frame"
     )
-    unknown = draft.of_part(2.0)
-    if unknown:
-        body["uncertainty"] = unknown
+    draft.loosen(body, 2.0)
 
 
 OBSTACLES = (_stands, _stands, _oscillates, _swings, _passes, _crosses)

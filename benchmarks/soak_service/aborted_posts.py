@@ -13,7 +13,7 @@ from benchmarks.soak_service.attackers import HEAD
 from benchmarks.soak_service.client import Reply, counted, served_times, together
 from benchmarks.soak_service.greedy_client import body_of
 from benchmarks.soak_service.large_bodies import small
-from benchmarks.soak_service.row import Numbers, Row, Run, above
+from benchmarks.soak_service.row import Numbers, Run, above
 from benchmarks.soak_service.served import served
 
 SECONDS, FEW_SECONDS = 60.0, 16.0
@@ -81,14 +81,3 @@ def summary(numbers: Numbers) -> str:
         f"{share:.3g} % of {numbers['readyz']}; {numbers['aborted']} aborts, {numbers['workers_lost']} workers lost; "
         f"{numbers['quick'] - numbers['quick_failed']} of {numbers['quick']} quick plans"
     )
-
-
-ROW = Row(
-    "aborted-posts",
-    "aborted posts, one each 2 s, one worker: `/readyz` failing",
-    "38 %",
-    "0",
-    measure,
-    judge,
-    summary,
-)

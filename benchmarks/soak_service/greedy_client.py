@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from benchmarks.soak_service.client import Client, Reply, counted, served_times, together
-from benchmarks.soak_service.row import Numbers, Row, Run
+from benchmarks.soak_service.row import Numbers, Run
 from benchmarks.soak_service.served import Service, served
 
 SECONDS, FEW_SECONDS = 60.0, 6.0
@@ -132,18 +132,6 @@ def summary(numbers: Numbers) -> str:
         + (f"{form['times']:g} times" if form["times"] is not None else "no median")
         for name, form in numbers["forms"].items()
     )
-
-
-ROW = Row(
-    "greedy-client",
-    "one greedy client (10 × 10 s budgets): others served, median against alone",
-    "0 of 114",
-    "all, at most 2 times",
-    measure,
-    judge,
-    summary,
-    judge_times,
-)
 
 
 def keys_file(folder: Path, names: list[str]) -> tuple[Path, dict[str, str]]:

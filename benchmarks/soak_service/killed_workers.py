@@ -15,7 +15,7 @@ from typing import Any
 import psutil
 
 from benchmarks.soak_service.client import Reply, counted, together, until
-from benchmarks.soak_service.row import Numbers, Row, RowError, Run, above
+from benchmarks.soak_service.row import Numbers, RowError, Run, above
 from benchmarks.soak_service.served import Service, served
 
 SECONDS, FEW_SECONDS, BETWEEN_S = 600.0, 30.0, 5.0
@@ -153,14 +153,3 @@ def summary(numbers: Numbers) -> str:
         f"{numbers['quarantined']} quarantined, {numbers['wrong']} wrong of {numbers['served']:,} served; "
         f"{numbers['kills']} kills"
     )
-
-
-ROW = Row(
-    "killed-workers",
-    "worker killed every 5 s for 10 min under load, identical bodies: requests lost beyond those in flight",
-    "3,496 quarantined",
-    "0",
-    measure,
-    judge,
-    summary,
-)

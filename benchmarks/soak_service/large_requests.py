@@ -9,7 +9,7 @@ from typing import Any
 
 from benchmarks.soak_service.client import fetch, until
 from benchmarks.soak_service.large_bodies import of_checks, of_counts, of_megabytes, of_meshes, of_seconds
-from benchmarks.soak_service.row import Numbers, Row, Run
+from benchmarks.soak_service.row import Numbers, Run
 from benchmarks.soak_service.served import MIB, Service, Watch, forget_peak, peak_kib, served
 
 MOST_MIB, MOST_CERTIFICATE_BYTES = 400.0, 100_000
@@ -94,14 +94,3 @@ def summary(numbers: Numbers) -> str:
         f"{numbers['peak_mib']} MiB ({worst['request']}), idle {numbers['idle_worker_mib']}; "
         f"{failed} of {len(numbers['requests'])} not answered"
     )
-
-
-ROW = Row(
-    "large-requests",
-    "requests that state 1e5 s, dear meshes, bodies of 1 MB: peak of a worker",
-    "0.9 to 3.3 GiB",
-    "at most 400 MiB, all answered",
-    measure,
-    judge,
-    summary,
-)

@@ -14,7 +14,7 @@ from typing import Any
 
 from benchmarks.soak_service.client import Client, Reply, fetch, together
 from benchmarks.soak_service.mutations import MILD, Mutant, mutant
-from benchmarks.soak_service.row import Numbers, Row, RowError, Run, above
+from benchmarks.soak_service.row import Numbers, RowError, Run, above
 from benchmarks.soak_service.served import Service, Watch, served
 
 PATH, CHECK_PATH = "/v1/plans", "/v1/plans/check"
@@ -200,17 +200,6 @@ def summary(numbers: Numbers) -> str:
         f"{numbers['requests']:,}; {numbers['checks']} plans checked; "
         f"{numbers['log_lines_not_json']} lines of log not JSON"
     )
-
-
-ROW = Row(
-    "mutated-requests",
-    "mutated requests over HTTP: undocumented or 500 / 504 / worker lost",
-    "0 / 167 / 169 of 28,000",
-    "0 / 0 / 0 of 50,000",
-    measure,
-    judge,
-    summary,
-)
 
 
 def description(service: Service) -> dict[str, Any]:

@@ -156,11 +156,7 @@ def numbers_in(document: Any) -> list[Place]:
 
 def names_in(document: Any) -> list[Place]:
     """The places of text below a key that holds a name."""
-    return [
-        place
-        for place in every_place(document)
-        if isinstance(value_at(document, place), str) and any(key in NAMING for key in place)
-    ]
+    return [place for place in _texts(document) if any(key in NAMING for key in place)]
 
 
 def _one(rng: random.Random, places: Sequence[Place]) -> Place | None:
@@ -186,10 +182,6 @@ def _times(document: Document) -> list[Place]:
     """Windows, dwells, waits, but for the budget."""
     places = [place for place in numbers_in(document) if any(str(key).endswith(("_s", "_ms")) for key in place)]
     return [place for place in places if place[-1] != "budget_s"]
-
-
-def _other_type(rng: random.Random, _: Any) -> Any:
-    return copy.deepcopy(rng.choice(OTHER_TYPES))
 
 
 def _bound(rng: random.Random, _: Any) -> Any:
@@ -356,7 +348,7 @@ WRONG: dict[str, Mutation] = {
     "delete": _delete,
     "duplicate": _duplicate,
     "key twice": _key_twice,
-    "type": _replaced(every_place, _other_type),
+    "type": _replaced(every_place, lambda rng, _: copy.deepcopy(rng.choice(OTHER_TYPES))),
     "bound": _replaced(numbers_in, _bound),
     "ulp": _replaced(numbers_in, _ulp),
     "denormal": _replaced(numbers_in, lambda rng, _: rng.choice(DENORMALS)),

@@ -14,7 +14,7 @@ from benchmarks.soak_service.client import Client, Reply, counted, fetch, togeth
 from benchmarks.soak_service.greedy_client import body_of
 from benchmarks.soak_service.large_bodies import small
 from benchmarks.soak_service.proxy import free_port, proxied
-from benchmarks.soak_service.row import Numbers, Row, Run, above
+from benchmarks.soak_service.row import Numbers, Run, above
 from benchmarks.soak_service.served import Service, served
 
 CLIENTS, REPLICAS = 4, 2
@@ -138,14 +138,3 @@ def summary(numbers: Numbers) -> str:
     """Requests lost, of how many; what became of the jobs."""
     jobs = json.dumps(numbers["jobs"]).strip("{}").replace('"', "")
     return f"{numbers['lost']} of {numbers['requests']:,}, {numbers['restarts']} restarts; jobs: {jobs}"
-
-
-ROW = Row(
-    "rolling-restart",
-    "rolling restart under load (two replicas behind the shipped proxy): requests lost",
-    "–",
-    "0",
-    measure,
-    judge,
-    summary,
-)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from benchmarks.machine import commit
 
@@ -48,20 +48,29 @@ class Run:
         return folder
 
 
+class RowModule(Protocol):
+    """How a row is measured and judged."""
+
+    def measure(self, run: Run) -> Numbers:
+        """The numbers of the row, among them `missing`: missing programs or files, in words."""
+
+    def judge(self, numbers: Numbers) -> list[str]:
+        """Why the numbers do not meet the bar, or nothing; it depends on the numbers alone."""
+
+    def summary(self, numbers: Numbers) -> str:
+        """The numbers in one line."""
+
+
 @dataclass(frozen=True)
 class Row:
-    """A row of the table. `measure` returns its numbers, among them `missing`: missing programs or files, in words.
-    `judge` returns why the numbers do not meet the bar, or nothing; it depends on the numbers alone. `judge_times`
-    the same of times and rates, which a busy machine spoils: the short form reports them and does not fail for them.
-    `summary` puts the numbers into one line. `before`: the result before the service was made for many clients."""
+    """A row of the table. `before`: the result before the service was made for many clients. `judge_times`: as `judge`,
+    of times and rates, which a busy machine spoils: the short form reports them and does not fail for them."""
 
     name: str
     title: str
     before: str
     bar: str
-    measure: Callable[[Run], Numbers]
-    judge: Callable[[Numbers], list[str]]
-    summary: Callable[[Numbers], str]
+    module: RowModule
     judge_times: Callable[[Numbers], list[str]] = lambda _: []
 
 
@@ -88,7 +97,7 @@ class Result:
 
 def judged(row: Row, numbers: Numbers, short: bool = False) -> tuple[str, list[str]]:
     """The verdict on numbers, and its reasons."""
-    reasons, slow = row.judge(numbers), row.judge_times(numbers)
+    reasons, slow = row.module.judge(numbers), row.judge_times(numbers)
     missing = [f"not there: {what}" for what in numbers.get("missing", [])]
     if short:
         missing += [f"not judged in the short form: {what}" for what in slow]
@@ -104,13 +113,13 @@ def run_row(row: Row, run: Run) -> Result:
     began, load, at = time.monotonic(), os.getloadavg()[0], datetime.now(UTC).date().isoformat()
     numbers: Numbers = {}
     try:
-        numbers = row.measure(run)
+        numbers = row.module.measure(run)
     except NotThereError as missing:
         verdict, reasons, summary = NOT_THERE, [str(missing)], f"not there: {missing}"
     except RowError as failed:
         verdict, reasons, summary = NOT_MET, [str(failed)], f"not measured: {failed}"
     else:
-        (verdict, reasons), summary = judged(row, numbers, run.short), row.summary(numbers)
+        (verdict, reasons), summary = judged(row, numbers, run.short), row.module.summary(numbers)
     here = commit()
     took_s = round(time.monotonic() - began, 1)
     return Result(

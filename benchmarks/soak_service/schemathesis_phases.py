@@ -6,7 +6,7 @@ import subprocess
 from importlib.util import find_spec
 
 from benchmarks import contract
-from benchmarks.soak_service.row import NotThereError, Numbers, Row, RowError, Run, above
+from benchmarks.soak_service.row import NotThereError, Numbers, RowError, Run, above
 from benchmarks.soak_service.served import served
 
 CASES, FEW_CASES = 20_000, 100
@@ -69,14 +69,3 @@ def judge(numbers: Numbers) -> list[str]:
 def summary(numbers: Numbers) -> str:
     """Cases and failures."""
     return f"{numbers['cases']:,}: {numbers['failures']} failures; phases {', '.join(numbers['phases']) or 'none'}"
-
-
-ROW = Row(
-    "schemathesis",
-    "schemathesis, all phases, cases: failures",
-    "fuzzing impossible",
-    "20,000: 0",
-    measure,
-    judge,
-    summary,
-)

@@ -10,10 +10,10 @@ import subprocess
 import sys
 import threading
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import psutil
 
@@ -30,6 +30,9 @@ LOST = re.compile(r"^assur_worker_restarts_total\{(.*)\}\s+([\d.e+]+)$", re.MULT
 """Lines of /metrics that count workers by the cause of their end."""
 PLANNED = frozenset({"max_tasks"})
 """Causes that are no loss: the service replaced a worker after its number of requests."""
+TRACKER = "resource_tracker"
+"""In the command of a process that is no worker."""
+T = TypeVar("T")
 
 
 class Service:
@@ -60,17 +63,20 @@ class Service:
     def workers(self) -> list[psutil.Process]:
         """The worker processes that live: what the web process has spawned, or had forked from a template, but for the
         template and the tracker of multiprocessing."""
-        living = {child.pid: (child, _command(child)) for child in self._children()}
+        # one that has just ended is not one to count
+        living = {child.pid: (child, _read(child.cmdline, [TRACKER])) for child in self._children()}
+        commands = {pid: " ".join(words) for pid, (_, words) in living.items()}
         found = []
-        for child, command in living.values():
-            template = "forkserver" in command and "forkserver" not in living.get(_parent(child), (child, ""))[1]
-            if not template and "resource_tracker" not in command:
+        for child, _ in living.values():
+            command = commands[child.pid]
+            template = "forkserver" in command and "forkserver" not in commands.get(_read(child.ppid, 0), "")
+            if not template and TRACKER not in command:
                 found.append(child)
         return found
 
     def zombies(self) -> int:
         """Processes below the web process that have ended and were not waited for."""
-        return sum(_status(child) == psutil.STATUS_ZOMBIE for child in _listed(self.web))
+        return sum(_read(child.status, "") == psutil.STATUS_ZOMBIE for child in _listed(self.web))
 
     def rss_mib(self) -> float:
         """Resident memory of the web process, MiB."""
@@ -107,7 +113,7 @@ class Service:
             return None
 
     def _children(self) -> list[psutil.Process]:
-        return [child for child in _listed(self.web) if _status(child) not in (psutil.STATUS_ZOMBIE, "")]
+        return [child for child in _listed(self.web) if _read(child.status, "") not in (psutil.STATUS_ZOMBIE, "")]
 
 
 def lost_workers(metrics: str) -> dict[str, float]:
@@ -177,32 +183,16 @@ def forget_peak(pid: int) -> None:
     Path(f"/proc/{pid}/clear_refs").write_text("5", encoding="ascii")
 
 
+def _read(read: Callable[[], T], ended: T) -> T:
+    """What is read of a process; `ended` for one that has just ended."""
+    try:
+        return read()
+    except psutil.Error:
+        return ended
+
+
 def _listed(process: psutil.Process) -> list[psutil.Process]:
-    try:
-        return list(process.children(recursive=True))
-    except psutil.Error:
-        return []
-
-
-def _status(process: psutil.Process) -> str:
-    try:
-        return str(process.status())
-    except psutil.Error:
-        return ""
-
-
-def _parent(process: psutil.Process) -> int:
-    try:
-        return int(process.ppid())
-    except psutil.Error:
-        return 0
-
-
-def _command(process: psutil.Process) -> str:
-    try:
-        return " ".join(process.cmdline())
-    except psutil.Error:
-        return "resource_tracker"  # it has just ended: not one to count
+    return _read(lambda: process.children(recursive=True), [])
 
 
 @contextmanager

@@ -14,7 +14,7 @@ from benchmarks.machine import ROOT
 from benchmarks.soak_service.client import Reply, counted, fetch, served_times, together
 from benchmarks.soak_service.large_bodies import small
 from benchmarks.soak_service.proxy import proxied
-from benchmarks.soak_service.row import NotThereError, Numbers, Row, Run
+from benchmarks.soak_service.row import NotThereError, Numbers, Run
 from benchmarks.soak_service.served import served
 
 SECONDS, FEW_SECONDS, QUIET_S = 60.0, 8.0, 3.0
@@ -122,7 +122,7 @@ def judge_times(numbers: Numbers) -> list[str]:
     ]
 
 
-def printed(numbers: Numbers) -> str:
+def summary(numbers: Numbers) -> str:
     """99 % of /livez, failures, and posts of others, by form."""
     return "; ".join(
         f"{name}: {form[ATTACKED]['livez_ms']['99']} ms ({form[QUIET]['livez_ms']['99']} when quiet), "
@@ -130,15 +130,3 @@ def printed(numbers: Numbers) -> str:
         f"{form[ATTACKED]['posts_served']} of {form[ATTACKED]['posts']} posts served"
         for name, form in numbers["forms"].items()
     )
-
-
-ROW = Row(
-    "slow-connections",
-    "64 slow bodies, 512 idle sockets, twenty 1 MB bodies: `/livez` 99 %, without the proxy and with it",
-    "503; 3.0 s",
-    "at most 50 ms, 0 failures",
-    measure,
-    judge,
-    printed,
-    judge_times,
-)

@@ -10,7 +10,7 @@ import time
 
 from assur.scenes.requests import plan_document
 from benchmarks.soak_service.client import Client, Reply, together
-from benchmarks.soak_service.row import Numbers, Row, RowError, Run
+from benchmarks.soak_service.row import Numbers, RowError, Run
 from benchmarks.soak_service.served import Service, served
 
 SLICES, FEW_SLICES, SLICE_S = 10, 2, 4.0
@@ -136,15 +136,3 @@ def summary(numbers: Numbers) -> str:
         f"{numbers['ratio']} times ({numbers['per_second']} to {numbers['in_process_per_second']} a second, "
         f"{numbers['plan_ms']} ms a plan; {options})"
     )
-
-
-ROW = Row(
-    "throughput",
-    "requests a second on 2 workers, `demo`, digest, against one after another in process, at 20 ms or more a plan",
-    "–",
-    "at least 1.5 times",
-    measure,
-    judge,
-    summary,
-    judge_times,
-)

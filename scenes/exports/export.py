@@ -7,7 +7,9 @@ accepted the certificate of this plan for the request in the export.
 from __future__ import annotations
 
 import base64
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -290,12 +292,12 @@ def _file(motion: Motion, form: str) -> tuple[str, list[str]]:
     if form == MODEL:
         model = glb.model_of(motion)
         return base64.b64encode(model.data).decode("ascii"), glb.statement(model)
-    text = {
+    text: dict[str, Callable[[Motion], str]] = {
         "csv": motion_text.csv_text,
         "ros2": motion_text.ros2_yaml,
         "ros2-json": motion_text.ros2_json,
-        "spel": recipe.spel,
-        "melfa": recipe.melfa,
+        "spel": partial(recipe.recipe, recipe.SPEL),
+        "melfa": partial(recipe.recipe, recipe.MELFA),
     }
     file = text[form](motion)
     if form.startswith("ros2") and len(file.encode()) > MAX_JSON_BYTES:  # check-trajectory reads no longer ones

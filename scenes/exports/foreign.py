@@ -13,7 +13,7 @@ from assur.scenes.bounds import MAX_KNOTS, SHORTEST_STEP_S
 from assur.scenes.conventions import Conventions, converted, converted_rates
 from assur.scenes.exports.export import SPARE, cell_in, jerk_proved
 from assur.scenes.exports.raised import raised
-from assur.scenes.faults import NOTHING, DocumentError
+from assur.scenes.faults import NOTHING, DocumentError, raised_as
 from assur.scenes.motions.csv_motion import csv_motion
 from assur.scenes.motions.motion import STATES, TIME, Motion, Track, largest, listed, matched
 from assur.scenes.motions.ros_motion import ros_motion
@@ -24,11 +24,9 @@ from assur.scenes.schema.robots import MOST_JERK
 from assur.scenes.units import twin_of
 
 if TYPE_CHECKING:
-    from assur.planner.arrays import FloatArray
     from assur.planner.model.outcome import Plan
     from assur.planner.model.scene import Scene
     from assur.planner.trajectory import Trajectory
-    from assur.scenes.conventions import Conventions
     from assur.scenes.reading.cell import Cell
     from assur.scenes.resampling.foreign import Violation
     from assur.scenes.schema.export import FirstViolation, ForeignTrajectoryDocument
@@ -174,10 +172,8 @@ def trajectory_from(
         allowed = f"a time later than {before:.15g} s, that of the point before, by {SHORTEST_STEP_S:g} s at least"
         raise DocumentError(field, float(time[k]), allowed, line)
     q, qd, qdd = converted(states[0], conventions), *(converted_rates(each, conventions) for each in states[1:])
-    try:
+    with raised_as(lambda error: DocumentError(FILE, error.value, error.allowed)):
         return Trajectory(time, q, qd, qdd, jumps=jumps), notes
-    except InputError as error:
-        raise DocumentError(FILE, error.value, error.allowed) from error
 
 
 def _in_order(motion: Motion, conventions: Conventions) -> tuple[list[tuple[int, Track]], str]:

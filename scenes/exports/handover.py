@@ -7,8 +7,7 @@ running plan at the switch as its first state.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -17,7 +16,7 @@ import numpy as np
 from assur.planner.errors import InputError
 from assur.scenes.conventions import as_maker, rates_as_maker
 from assur.scenes.exports.export import in_words
-from assur.scenes.faults import NOTHING
+from assur.scenes.faults import NOTHING, raised_as
 from assur.scenes.plan_file import MEANT, in_request, plan_file_in
 from assur.scenes.requests import cell_of, read_plan
 
@@ -79,13 +78,9 @@ def handed_over(cell: Cell, made: Plan, how: ExportDocument, running: object) ->
     return begun, Handover(lead, before, ran_cell.scene.digest)
 
 
-@contextmanager
-def _in_after() -> Iterator[None]:
+def _in_after() -> AbstractContextManager[None]:
     """A fault that is raised inside is one of the plan file that runs before."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError(f"{AFTER}.{error.field}", error.value, error.allowed) from error
+    return raised_as(lambda error: InputError(f"{AFTER}.{error.field}", error.value, error.allowed))
 
 
 def _running(document: object) -> tuple[Cell, Plan]:

@@ -39,10 +39,11 @@ MOVING = 1e-3
 
 @dataclass(frozen=True)
 class Dialect:
-    """How a controller writes comments, points (name, x, y, z, yaw, hand, turns) and motions. `hands`: by
-    working mode; `most`:
-    the highest speed and acceleration, mm/s and mm/s², that it takes for straight lines."""
+    """How a controller writes comments, points (name, x, y, z, yaw, hand, turns) and motions. `form`: the format of an
+    export; `hands`: by working mode; `most`: the highest speed and acceleration, mm/s and mm/s², that it takes for
+    straight lines."""
 
+    form: str
     comment: str
     point: str
     hands: dict[str, str]
@@ -60,6 +61,7 @@ class Dialect:
 
 
 SPEL = Dialect(
+    form="spel",
     comment="' ",
     point="P{n} = XY({x:.3f}, {y:.3f}, {z:.3f}, {u:.3f}) {hand}",
     hands={"left": "/L", "right": "/R"},
@@ -76,6 +78,7 @@ SPEL = Dialect(
     most=(2000, 25000),
 )
 MELFA = Dialect(
+    form="melfa",
     comment="' ",
     point="P{n}=({x:.3f},{y:.3f},{z:.3f},0,0,{u:.3f})({hand},{turns})",
     hands={"left": "0", "right": "4"},
@@ -93,20 +96,11 @@ MELFA = Dialect(
 )
 
 
-def spel(motion: Motion) -> str:
-    """The recipe in SPEL+. Raises `InputError` for an arm that is no SCARA with a wrist."""
-    return _recipe(motion, SPEL, "spel")
-
-
-def melfa(motion: Motion) -> str:
-    """The recipe in MELFA-BASIC. Raises `InputError` for an arm that is no SCARA with a wrist."""
-    return _recipe(motion, MELFA, "melfa")
-
-
-def _recipe(motion: Motion, dialect: Dialect, form: str) -> str:
+def recipe(dialect: Dialect, motion: Motion) -> str:
+    """The recipe of a motion. Raises `InputError` for an arm that is no SCARA with a wrist."""
     scene = motion.cell.scene
     if not scene.robot.sums_yaw:
-        raise InputError("format", form, f"csv, ros2 or ros2-json: {scene.robot.name} is no SCARA with a wrist")
+        raise InputError("format", dialect.form, f"csv, ros2 or ros2-json: {scene.robot.name} is no SCARA with a wrist")
     legs, facts = motion.plan.legs, motion.facts
     notes = [*NOTES, f"{scene.robot.name}; request {facts['request_digest']}"]
     notes.append(
@@ -123,7 +117,7 @@ def _recipe(motion: Motion, dialect: Dialect, form: str) -> str:
         points += _point(motion, dialect, number, leg.t1)
         steps += _leg(motion, dialect, number, leg)
     notes = [f"{dialect.comment}{note}" for note in notes]
-    if form == "melfa":
+    if dialect is MELFA:
         return "\n".join([*notes, *points, *dialect.first, *steps, *dialect.last]) + "\n"
     return "\n".join([*notes, *dialect.first, *points, *steps, *dialect.last]) + "\n"
 

@@ -14,7 +14,7 @@ from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.model.scene import Move, Pick, Place, Trace
 from assur.scenes import bounds
-from assur.scenes.faults import WHOLE, choices, documented, written_key
+from assur.scenes.faults import choices, written_key
 from assur.scenes.proposals.edits import Text, value_at
 from assur.scenes.proposals.files import origins_of, part_of_transfer
 from assur.scenes.proposals.values import ENDS, si_number, written_number
@@ -25,7 +25,7 @@ from assur.scenes.schema.model import Coordinate, Document
 from assur.scenes.schema.normal import normal
 from assur.scenes.schema.read import read
 from assur.scenes.set_values import Changed
-from assur.scenes.tasks.origins import OF_CELL, OF_TASK
+from assur.scenes.tasks.origins import OF_CELL, OF_TASK, within_document
 from assur.scenes.tasks.task_file import TaskScenario
 
 Texts = dict[str, str]
@@ -77,10 +77,8 @@ class ShiftDocument(Document):
 def with_shift(scenario: Scenario, texts: Texts, cell: Cell, shift: object, again: Again) -> Texts:
     """The texts in which a thing of a cell, which is that of the scenario, was moved: the place that is written for it
     is another one. Raises `InputError` where its place is not written, or where it would not go there."""
-    try:
+    with within_document("move"):
         stated: ShiftDocument = read(ShiftDocument, shift)
-    except InputError as error:
-        raise documented(error).relocated(lambda field: "move" if field == WHOLE else f"move.{field}") from error
     field, own, (frame, pose) = _place(scenario.request, cell, stated)
     base = pose.yaw - _yaw(own)
     key = written_key(own, "at_m") or "at_mm"

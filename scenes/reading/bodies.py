@@ -176,11 +176,7 @@ def world_body(
     frame, pose, at_s = WORLD, AT_ORIGIN, None if item.pose is None else item.pose.at_s
     if item.pose is not None:
         try:
-            frame, pose = resolve(item.pose, item.pose.yaw_rad, frames, places)
-            if at_s is not None:
-                if item.pose.frame is None:
-                    raise Refused("none: a pose relative to a body, or in no frame, is so at all times", "at_s")
-                pose = frames.riding(frame, pose, at_s)
+            frame, pose = resolve_at(item.pose, frames, places)
         except Refused as error:
             error.at("pose")
             raise
@@ -228,6 +224,16 @@ def resolve(place: Placement, yaw: float, frames: Frames, places: Places) -> tup
     places.steady(place.body)
     frame, carrier = places[place.body]
     return frame, carrier.then(pose)
+
+
+def resolve_at(place: PlaceInCell, frames: Frames, places: Places) -> tuple[str, Pose]:
+    """As `resolve`, also for a place where something is at a time: the pose is the one that rides with the frame."""
+    frame, pose = resolve(place, place.yaw_rad, frames, places)
+    if place.at_s is None:
+        return frame, pose
+    if place.frame is None:
+        raise Refused("none: a pose relative to a body, or in no frame, is so at all times", "at_s")
+    return frame, frames.riding(frame, pose, place.at_s)
 
 
 def named(item: TargetDocument | SlotsDocument | PlaceInCell, frames: Frames, places: Places) -> None:

@@ -16,6 +16,7 @@ import numpy as np
 
 from assur.planner.report.straight_parts import assumed
 from assur.scenes.answer import NOTICE
+from assur.scenes.numbers import at_rest
 from assur.scenes.reading.cell import Cell
 from assur.scenes.report.assembly import page
 from assur.scenes.view.answer_form import answer_in
@@ -166,9 +167,6 @@ def _without_long_lists(value: object, longest: int) -> object:
 
 TableCell = tuple[str, bool]
 """Text of a cell, and whether it is a number."""
-RESTING = 1e-9
-"""A joint's velocity in rad/s or m/s up to which it is at rest, and a time in s up to which a knot is that of an
-arrival."""
 APART = {"grip_m": "tool to part mm", "support_m": "part to support mm"}
 """Distances that an arrival may have, and what they are called; there is no column where no arrival has one."""
 RATES = ("velocity", "acceleration", "jerk")
@@ -184,9 +182,9 @@ def text(value: object) -> TableCell:
     return ("" if value is None else str(value), False)
 
 
-def degrees(value: float | None, digits: int = 1) -> TableCell:
+def degrees(value: float | None) -> TableCell:
     """An angle in rad as degrees."""
-    return number(value, digits, 180.0 / math.pi)
+    return number(value, 1, 180.0 / math.pi)
 
 
 def millimetres(value: float | None, digits: int = 1) -> TableCell:
@@ -268,9 +266,7 @@ def _met(trajectory: Document, arrival: Document) -> str:
     missed = arrival.get("missed_by")
     if missed is not None and missed["distance_m"] > 0.0:
         return f"missed by {1000 * missed['distance_m']:.1f} mm"
-    times = zip(trajectory["time_s"], trajectory["velocity"], strict=True)
-    there = [rates for time, rates in times if abs(time - arrival["time_s"]) <= RESTING]
-    if any(all(abs(rate) <= RESTING for rate in rates) for rates in there):
+    if at_rest(trajectory, arrival["time_s"]):
         return "at rest"
     return "with its velocity" if arrival["matched"] else "in position"
 

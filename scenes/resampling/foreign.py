@@ -127,11 +127,7 @@ def judged(scene: Scene, trajectory: Trajectory, plan: Plan | None = None) -> Mo
     if plan is None:
         findings += _still_moving(scene, trajectory)
     clearance = nearest(prover, trajectory, of_motion, of="arm")
-    return MotionVerdict(tuple(findings), min(first, key=_when, default=None), clearance)
-
-
-def _when(first: Violation) -> float:
-    return first.time
+    return MotionVerdict(tuple(findings), min(first, key=lambda each: each.time, default=None), clearance)
 
 
 def _ending(scene: Scene, trajectory: Trajectory) -> Scene:

@@ -14,7 +14,7 @@ from assur.planner.frames.motion import Pose
 from assur.planner.laws.law import FARTHEST_WAY_M
 from assur.scenes.conventions import as_maker, rates_as_maker
 from assur.scenes.faults import DocumentError, Refused, choices, located
-from assur.scenes.reading.bodies import Places, resolve, tilts
+from assur.scenes.reading.bodies import Places, resolve_at, tilts
 from assur.scenes.reading.robots import joint_values
 from assur.scenes.schema.model import Document, Group, Instant, Reference, Speed
 from assur.scenes.schema.read import read
@@ -134,11 +134,7 @@ def _of_part(there: Segment, name: str, place: PlaceInCell, at_s: float) -> Cove
     if tilt := tilts(place):
         raise Refused("0: parts stay upright", "pose", tilt[0])
     try:
-        frame, pose = resolve(place, place.yaw_rad, cell.frames, Places(cell.places))
-        if place.at_s is not None:
-            if place.frame is None:
-                raise Refused("none: a pose relative to a body, or in no frame, is so at all times", "at_s")
-            pose = cell.frames.riding(frame, pose, place.at_s)
+        frame, pose = resolve_at(place, cell.frames, Places(cell.places))
     except Refused as error:
         raise error.at("pose") from error
     if name not in scene.index or attached.has_gone(scene, name):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import InputError
 from assur.scenes.bounds import LONG_S
-from assur.scenes.faults import DocumentError, choices, documented
+from assur.scenes.faults import choices, documented, raised_as
 from assur.scenes.schema.cell_file import TASK
 from assur.scenes.schema.normal import normal, plain
 from assur.scenes.session.committed import CommittedMotion, History, Segment, segment_of
@@ -163,10 +163,8 @@ class RunningCell:
             task["options"] = self._first["options"]
         values = task_before.get("set", {})
         listed = [written[part["name"]] for part in parts if part["name"] in written]
-        try:
+        with raised_as(of_task):
             follows = next_task(self._kept.file, task, state, listed, values)
-        except InputError as error:
-            raise of_task(documented(error)) from error
         follows["set"] = {**values, **follows["set"]}
         if not follows["set"]:
             del follows["set"]
@@ -219,10 +217,12 @@ class RunningCell:
     def _around(self, part: Document) -> Surroundings:
         """Robot and surroundings with a part that is seen. Raises `InputError` at a field of the part."""
         task = {**self._first, "parts": [part], "steps": self._with_refuge([])}
-        try:
+
+        def field(field: str) -> str:
+            return field.removeprefix("parts[0].").replace("parts[0]", "part")
+
+        with raised_as(lambda error: documented(error).relocated(field)):
             return self._kept.surroundings(task)
-        except DocumentError as error:
-            raise error.relocated(lambda field: field.removeprefix("parts[0].").replace("parts[0]", "part")) from error
 
     def covered(self, reading: object) -> Coverage:
         """Whether a reading lies within what the committed proof assumes; raises as `reading.covered`."""

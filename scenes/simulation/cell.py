@@ -6,7 +6,6 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -76,11 +75,6 @@ class SimulatedCell:
         """When a part of the stream with this number is clear of what is not seen, s."""
         x = self.unseen[number].clear_m + part.kind.radius_m + part.kind.off_m + self.apart_m
         return part.passes_s(x, self.streams[number].speed_m_s)
-
-    @cached_property
-    def counts(self) -> dict[str, int]:
-        """How many slots each grid has."""
-        return self.chooser.counts
 
 
 def simulated(document: Document) -> SimulatedCell:

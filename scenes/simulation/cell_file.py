@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from assur.planner.errors import InputError
-from assur.scenes.bounds import MAX_YAML_BYTES
-from assur.scenes.faults import choices, documented, fault, together
+from assur.scenes.faults import choices, documented, fault, raised_as, together
 from assur.scenes.files import is_file, is_json, json_in
-from assur.scenes.not_requests import refuse_text
 from assur.scenes.scenario import with_files
-from assur.scenes.scenarios import CELLS
+from assur.scenes.scenarios import CELLS, yaml_in
 from assur.scenes.schema.cell_file import CELL
 from assur.scenes.set_values import GIVEN, Changed, unknown_paths
 from assur.scenes.tasks.joining import FIELDS
@@ -33,13 +31,9 @@ class CellText:
     changed: Changed
     lines: Lines
 
-    @contextmanager
-    def located(self) -> Iterator[None]:
+    def located(self) -> AbstractContextManager[None]:
         """A fault of the cell inside is at its place in the file, or at the value that was set."""
-        try:
-            yield
-        except InputError as error:
-            raise documented(error).relocated(self.changed.field, self._line) from error
+        return raised_as(lambda error: documented(error).relocated(self.changed.field, self._line))
 
     def _line(self, field: str) -> int | None:
         known = not field.startswith(GIVEN) and field.partition(".")[0].partition("[")[0] in self.document
@@ -65,10 +59,7 @@ def cell_named(text: str, given: Mapping[str, object]) -> CellText:
     if is_json(path):
         document = json_in(path, "a cell, as JSON")
     else:
-        with path.open("rb") as file:
-            data = file.read(MAX_YAML_BYTES + 1)
-        refuse_text(data, path)
-        document, lines = parse_yaml(data)
+        document, lines = parse_yaml(yaml_in(path))
     if not is_cell(document):
         where = document if isinstance(document, dict) else {}
         raise fault(where, ("schema",), f"{CELL}: a cell with streams is simulated, and no task or request")

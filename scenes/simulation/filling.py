@@ -48,8 +48,8 @@ class Filling:
 
     def __init__(self, cell: SimulatedCell) -> None:
         stated = cell.kept.file.valid.slots
-        self._cell = cell
-        self._grids: dict[str, Document] = {grid: normal(stated[grid].document()) for grid in cell.counts}
+        self._cell, self._counts = cell, cell.chooser.counts
+        self._grids: dict[str, Document] = {grid: normal(stated[grid].document()) for grid in self._counts}
         self._lying: dict[str, list[str]] = {grid: [] for grid, of in self._grids.items() if "kind" not in of}
         self._exchanged_s: dict[str, float] = {}
         """Of the grids that are full, when they are empty again, s."""
@@ -90,7 +90,7 @@ class Filling:
             self._carriers[slot.carrier].parts[slot.grid, slot.number] = part
             return None
         self._lying[slot.grid].append(part)
-        if len(self._lying[slot.grid]) < self._cell.counts[slot.grid]:
+        if len(self._lying[slot.grid]) < self._counts[slot.grid]:
             return None
         self._exchanged_s[slot.grid] = placed_s + self._grids[slot.grid].get("exchange_s", 0.0)
         return self._exchanged_s[slot.grid]
@@ -115,14 +115,14 @@ class Filling:
         """The slots of a grid that are free, or will be: carriers in the order in which they were seen."""
         if grid in self._lying:
             at_s = self._exchanged_s.get(grid, -math.inf)
-            yield FreeSlot(grid, len(self._lying[grid]) % self._cell.counts[grid], free_s=at_s)
+            yield FreeSlot(grid, len(self._lying[grid]) % self._counts[grid], free_s=at_s)
             return
         kind = self._grids[grid]["kind"]
         for name, each in self._carriers.items():
             if each.part.kind.name != kind:
                 continue
             clear_s = self._cell.clear_s(each.number, each.part)
-            for number in range(self._cell.counts[grid]):
+            for number in range(self._counts[grid]):
                 if (grid, number) not in each.parts:
                     opens_s, leaves_s = self._within(each, grid, number)
                     yield FreeSlot(grid, number, name, clear_s, opens_s, leaves_s)

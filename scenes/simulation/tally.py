@@ -5,9 +5,9 @@ from __future__ import annotations
 import copy
 from array import array
 from collections import Counter, defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 from assur.planner.model.outcome import Course, LegKind
 from assur.planner.model.task import key_of
@@ -39,7 +39,7 @@ class Cycle:
     free_s: float
 
 
-class Cycles(Sequence[Cycle]):
+class Cycles:
     """Cycles in little memory: a run may have 100,000."""
 
     def __init__(self) -> None:
@@ -54,15 +54,9 @@ class Cycles(Sequence[Cycle]):
     def __len__(self) -> int:
         return len(self._parts)
 
-    @overload
-    def __getitem__(self, at: int) -> Cycle: ...
-    @overload
-    def __getitem__(self, at: slice) -> list[Cycle]: ...
-    def __getitem__(self, at: int | slice) -> Cycle | list[Cycle]:
-        if isinstance(at, slice):
-            return [self[k] for k in range(*at.indices(len(self)))]
-        k = range(len(self))[at]
-        return Cycle(self._parts[k], self._grids[k], self._slots[k], *self._times[OF_CYCLE * k : OF_CYCLE * (k + 1)])
+    def __iter__(self) -> Iterator[Cycle]:
+        for k, (part, grid, slot) in enumerate(zip(self._parts, self._grids, self._slots, strict=True)):
+            yield Cycle(part, grid, slot, *self._times[OF_CYCLE * k : OF_CYCLE * (k + 1)])
 
 
 OF_CYCLE = 5

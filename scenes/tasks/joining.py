@@ -64,7 +64,7 @@ def joined(
     for an option that the cell states; all others are paths of the cell.
     """
     origins = Origins(carried)
-    with origins:
+    with origins.located():
         with within_document(OF_TASK):
             asked = plain(task)
         with within_document(OF_CELL):

@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING, Any
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_SLOTS
 from assur.scenes.conventions import Conventions, as_maker, rates_as_maker
-from assur.scenes.faults import NOTHING, DocumentError, Refused, fault, written_key
+from assur.scenes.faults import NOTHING, DocumentError, Refused, fault, raised_as, written_key
 from assur.scenes.schema.cell_file import TASK, CellDocument, TaskDocument
 from assur.scenes.schema.differences import difference, stated_at
 from assur.scenes.schema.normal import normal
 from assur.scenes.schema.read import read
 from assur.scenes.schema.request import RequestDocument
-from assur.scenes.schema.shapes import BodyDocument, PlaceInCell
+from assur.scenes.schema.shapes import PlaceInCell
 from assur.scenes.set_values import GIVEN, with_values
 from assur.scenes.tasks.grids import counts, slot_poses
 from assur.scenes.tasks.joining import CellFile, joined, shared
@@ -166,7 +166,8 @@ def state_of(
     for body in [body for body in stated.bodies if body.name not in gone]:
         if uncertainty.get(body.name) == vars(body.uncertainty):
             del uncertainty[body.name]
-        if (held is not None and body.name == held.part) or (_has_time(body) and body.name not in handled):
+        has_time = body.pose is not None and body.pose.at_s is not None
+        if (held is not None and body.name == held.part) or (has_time and body.name not in handled):
             continue  # how well the one is known the grip says, and the other the time of its pose
         frame = scene.frames[places[body.name][0]]
         off_m = frame.uncertainty.speed_m_s * (end_s - trajectory.start)
@@ -189,10 +190,6 @@ def checked_end(request: Document, answer: object) -> EndState:
         first = verdict["findings"][0]["what"]
         raise DocumentError("plan", "this plan", f"one that `assur check` accepts; its first finding: {first}")
     return end
-
-
-def _has_time(body: BodyDocument) -> bool:
-    return body.pose is not None and body.pose.at_s is not None
 
 
 def _start(motion: Trajectory, at_s: float, conventions: Conventions) -> Document:
@@ -274,7 +271,7 @@ def next_task(
                 )
         listed.append(part)
     values = Origins()
-    with values, within_document(OF_TASK):
+    with values.located(), within_document(OF_TASK):
         steps = values.changed(OF_TASK, task, of_task, GIVEN)["steps"] if of_task else task["steps"]
         check_kinds_of_picked(kinds, steps, known)
         away = end.gone - {part["name"] for part in listed}
@@ -324,12 +321,10 @@ def joined_after(
     own = len(stated.get("parts", ()))
     carried = Carried({i: part["name"] for i, part in enumerate(task["parts"]) if i >= own}, end.gone_at_s)
     made = joined(cell, task, given, carried)
-    try:
+    with raised_as(made.relocated):
         hold_same(made.request, end)
         before = {body["name"]: body for body in end.document.get("bodies", ()) if body["name"] not in end.gone}
         check_same_bodies(made.request, before, stated, given)
-    except InputError as error:
-        raise made.relocated(error) from error
     return made
 
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 from assur.planner.errors import InputError
-from assur.scenes.faults import WHOLE, DocumentError, documented, dotted
+from assur.scenes.faults import WHOLE, DocumentError, documented, dotted, raised_as
 from assur.scenes.set_values import Changed
 
 Document = dict[str, Any]
@@ -33,8 +34,7 @@ class Carried:
 
 
 class Origins:
-    """Where values of cell and task were set. A fault inside has its place there; of a part that is `carried` over from
-    a plan it names the part."""
+    """Where values of cell and task were set, and which parts are `carried` over from a plan: faults name these."""
 
     def __init__(self, carried: Carried | None = None) -> None:
         self.carried = carried or Carried()
@@ -46,12 +46,9 @@ class Origins:
         self._changed.insert(0, (f"{name}.", made))
         return made.document
 
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        if isinstance(error, InputError) and (self._changed or self.carried.parts):
-            raise documented(error).relocated(self.field) from error
+    def located(self) -> AbstractContextManager[None]:
+        """A fault inside is at the place where its value was set."""
+        return raised_as(lambda error: documented(error).relocated(self.field))
 
     def field(self, field: str) -> str:
         """The place of a field of the cell or the task."""
@@ -65,21 +62,11 @@ class Origins:
         return field
 
 
-class within_document:
+def within_document(name: str) -> AbstractContextManager[None]:
     """A fault inside is one of the document of that name."""
-
-    def __init__(self, name: str) -> None:
-        self._name = name
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        if isinstance(error, InputError):
-            raise documented(error).relocated(self._field) from error
-
-    def _field(self, field: str) -> str:
-        return self._name if field == WHOLE else f"{self._name}.{field}"
+    return raised_as(
+        lambda error: documented(error).relocated(lambda field: name if field == WHOLE else f"{name}.{field}")
+    )
 
 
 class Joined:

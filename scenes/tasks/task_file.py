@@ -10,7 +10,7 @@ from typing import Any
 
 from assur.planner.errors import InputError
 from assur.scenes.bounds import MAX_YAML_BYTES
-from assur.scenes.faults import NOTHING, DocumentError, documented, fault
+from assur.scenes.faults import NOTHING, DocumentError, documented, fault, raised_as
 from assur.scenes.files import below, empty
 from assur.scenes.proposals.files import answer_to_task
 from assur.scenes.scenario import Scenario, with_files
@@ -44,7 +44,7 @@ class _Files:
     def joined(self, given: Mapping[str, object] | None = None) -> Joined:
         """The request of the task, with values that are set last. Raises `DocumentError` with file and line."""
         cell, task = self.documents
-        try:
+        with raised_as(self.placed):
             if task is None:
                 return cell_alone(cell)
             if self.after is None:
@@ -54,8 +54,6 @@ class _Files:
                     raise DocumentError(f"{GIVEN}{path}", given[path], f"no {key}: it is that of the plan")  # type: ignore[index]
             follows = next_task(cell, task, self.after, given=given or {})
             return joined_after(cell, follows, self.after, task, given or {})
-        except InputError as error:
-            raise self.placed(error) from error
 
     def _field(self, field: str) -> str:
         inside = field.removeprefix(OF_TASK).removeprefix(".")
@@ -103,11 +101,9 @@ def is_cell(document: object) -> bool:
 def cell_document(document: dict[str, Any], lines: Lines, folder: Path) -> dict[str, Any]:
     """The cell in a file, with what the files hold that it names, which are below `folder`. Raises `DocumentError`
     with the line."""
-    try:
+    with raised_as(lambda error: with_line(error, lines)):
         found: dict[str, Any] = with_files(document, folder)
         valid_cell(found)
-    except InputError as error:
-        raise with_line(error, lines) from error
     return found
 
 
@@ -125,10 +121,8 @@ def task_scenario(
     name = cell.get("file") if isinstance(cell, dict) else None
     if not isinstance(name, str):
         raise with_line(fault(document, ("cell",), "the file of a cell, as in {file: cell.yaml}"), lines)
-    try:
+    with raised_as(lambda error: with_line(error, lines)):
         found = below(path.parent, name, "cell.file", ENDINGS, MAX_YAML_BYTES)
-    except InputError as error:
-        raise with_line(error, lines) from error
     try:
         stated, cell_lines = parse_yaml(found.read_bytes())
         if stated is None:
@@ -164,11 +158,8 @@ def _made(
 ) -> TaskScenario:
     """The scenario of a task (None: there is none yet) in a cell, whose files are below `folder`, with values that are
     `given` by their paths. Raises `DocumentError` with the line."""
-    try:
-        with within_document(OF_CELL):
-            cell = with_files(cell, folder)
-    except InputError as error:
-        raise files.placed(error) from error
+    with raised_as(files.placed), within_document(OF_CELL):
+        cell = with_files(cell, folder)
     files = replace(files, documents=(cell, document))
     made, stated = files.joined(given), document or {}
     about, expect = stated.get("about") or cell.get("about") or "", stated.get("expect", {})

@@ -113,12 +113,6 @@ class _Reader:
         supply = f"give it in --joint-limits as joint_limits.{self.joint.name}.{key}{example}"
         self.lacks.append(Defect(f"joint {self.joint.name}", what, supply))
 
-    def _of_urdf(self, value: float, what: str) -> Number:
-        return Number(value, self.status, f"{self.urdf}, joint {self.joint.name}, {what}")
-
-    def _of_file(self, value: float, what: str) -> Number:
-        return Number(value, self.status, f"{self.file}, joint_limits.{self.joint.name}.{what}")
-
     def _on(self, switch: str) -> bool | None:
         """Whether a switch of the file is on, as it is where it is not written; None if it is neither on nor off."""
         on = self.given.get(switch, True)
@@ -213,7 +207,7 @@ class _Reader:
             return None
         if value is None and own is not None:
             if own.value > 0.0:
-                return self._of_urdf(own.value, own.source)
+                return Number(own.value, self.status, f"{self.urdf}, joint {self.joint.name}, {own.source}")
             self._lack(f"{own.source} is {own.value:g} in the URDF", key, f" ({self.unit}{PER[kind]})")
             return None
         value = abs(value or 0.0) if kind == "deceleration" else value or 0.0
@@ -222,7 +216,7 @@ class _Reader:
             return None
         if own is not None and 0.0 < own.value < value:
             self._looser(key, value, own.source, own.value)
-        return self._of_file(value, key)
+        return Number(value, self.status, f"{self.file}, joint_limits.{self.joint.name}.{key}")
 
 
 # A joint_limits.yaml, as MoveIt and ros2_control read it: its joints, and what of it is not taken.

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import get_args
 
 import numpy as np
@@ -55,22 +56,6 @@ def read_tree(content: bytes, name: str, *, rounding: bool = False) -> Tree:
     return _Reader(root, name, version or VERSIONS[0], rounding=rounding).tree()
 
 
-class _collected:
-    """An unsuitable item inside is added to the list of lacks, and settles the node."""
-
-    def __init__(self, lacks: list[Defect], node: Node) -> None:
-        self._lacks, self._node = lacks, node
-
-    def __enter__(self) -> None:
-        return None
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> bool:
-        if isinstance(error, Unsuitable):
-            self._lacks.append(error.lack)
-            self._node.settled = True
-        return isinstance(error, Unsuitable)
-
-
 class _Reader:
     """One reading of a file."""
 
@@ -83,10 +68,19 @@ class _Reader:
         self.links: dict[str, tuple[Solid, ...]] = {}
         self.joints: dict[str, Joint] = {}
 
+    @contextmanager
+    def _collected(self, node: Node) -> Iterator[None]:
+        """What is unsuitable inside is one of the lacks, and settles the node."""
+        try:
+            yield
+        except Unsuitable as error:
+            self.lacks.append(error.lack)
+            node.settled = True
+
     def tree(self) -> Tree:
         elements = self.root.every("link")
         for i, element in enumerate(elements):
-            with _collected(self.lacks, element):
+            with self._collected(element):
                 link = element.get("name") or ""
                 if not link or link in self.links:
                     raise Unsuitable(f"<link> {i + 1}", f"name {link[:40]!r}", "give each link a name of its own")
@@ -97,7 +91,7 @@ class _Reader:
         self.lacks += lacks
         self.remarks += remarks
         for i, element in enumerate(self.root.every("joint")):
-            with _collected(self.lacks, element):
+            with self._collected(element):
                 joint = self._joint(element, i, controlled)
                 if joint.name in self.joints:
                     raise Unsuitable(f"joint {joint.name}", "a second one", "give each joint a name of its own")

@@ -8,7 +8,6 @@ import math
 import signal
 import threading
 from collections import Counter
-from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, HTTPServer
 from pathlib import Path
 from typing import Any
@@ -285,7 +284,7 @@ def test_every_row_has_a_figure_that_is_good_and_some_that_are_not() -> None:
 def test_a_good_figure_is_accepted_and_told(name: str) -> None:
     row = BY_NAME[name]
     assert judged(row, GOOD[name]) == (MET, [])
-    assert row.summary(GOOD[name])
+    assert row.module.summary(GOOD[name])
 
 
 @pytest.mark.parametrize(("name", "place", "value"), BAD)
@@ -316,16 +315,25 @@ def test_a_figure_that_is_not_there_or_no_number_is_above_every_limit() -> None:
     assert len(above({"lost": math.nan, "wrong": 2}, {"lost": 0, "wrong": 1, "other": 3})) == 3
 
 
-def raising(error: Exception) -> Callable[[Run], Numbers]:
-    def measure(_: Run) -> Numbers:
-        raise error
+class Raising:
+    """The module of a row that cannot be measured."""
 
-    return measure
+    def __init__(self, error: Exception) -> None:
+        self._error = error
+
+    def measure(self, run: Run) -> Numbers:  # noqa: ARG002
+        raise self._error
+
+    def judge(self, numbers: Numbers) -> list[str]:
+        raise AssertionError(numbers)
+
+    def summary(self, numbers: Numbers) -> str:
+        raise AssertionError(numbers)
 
 
 def test_a_row_that_cannot_be_measured_is_a_result(tmp_path: Path) -> None:
     for error, verdict in ((NotThereError("the proxy"), NOT_THERE), (RowError("it does not start"), NOT_MET)):
-        row = Row("x", "", "", "", raising(error), lambda _: [], lambda _: "")
+        row = Row("x", "", "", "", Raising(error))
         result = run_row(row, quiet(tmp_path))
         assert (result.verdict, result.reasons) == (verdict, [str(error)])
 

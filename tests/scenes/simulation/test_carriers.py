@@ -159,7 +159,7 @@ def test_kinds_go_to_their_slots_on_the_same_trays_and_at_rest() -> None:
 def test_a_full_grid_at_rest_is_exchanged_in_the_time_that_is_stated() -> None:
     slots = {"box": {**at_rest()["slots"]["box"], "exchange_s": 4}}
     done = Recorded(simulated(at_rest(slots=slots)), until_s=24.0).through()
-    cycles = done.tally.cycles
+    cycles = [*done.tally.cycles]
     assert [cycle.slot for cycle in cycles] == [k % 4 for k in range(len(cycles))]
     assert len(cycles) > 5
     for last, first in ((a, b) for a, b in pairwise(cycles) if b.slot == 0):
