@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shlex
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
@@ -19,7 +18,17 @@ from assur.api.cli.console_report import rows
 from assur.api.cli.inputs import Values, set_values
 from assur.api.version import version
 from assur.planner.errors import InputError
-from assur.scenes.simulation.words import LEGS, ONE_SEED, TRIALS, legs, pick_error, share_of_time, trials, waits
+from assur.scenes.simulation.words import (
+    LEGS,
+    ONE_SEED,
+    TRIALS,
+    changes,
+    legs,
+    pick_error,
+    share_of_time,
+    trials,
+    waits,
+)
 
 if TYPE_CHECKING:
     from assur.scenes.session.recorded import Events, Record
@@ -48,7 +57,8 @@ def simulate(
     from assur.scenes.simulation.helps import Helps
     from assur.scenes.simulation.simulate import Simulation
 
-    given = cell_named(cell, set_values(values))
+    stated = set_values(values)
+    given = cell_named(cell, stated)
     for option, file, others in (("--out", out, (log, page)), ("--log", log, (page,)), ("--page", page, ())):
         writable(file, cell, *others, option=option)
     announce_compilation()
@@ -69,7 +79,8 @@ def simulate(
     if out is not None:
         out.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     if page is not None:
-        say(f"page of the first run: {_written(page, given.name, given.document, events.events, found=found)}")
+        written = _written(page, given.name, given.document, events.events, found=found, values=stated)
+        say(f"page of the first run: {written}")
     if as_json:
         show_json(found)
     else:
@@ -146,9 +157,7 @@ def _words_of_helps(helps: list[Document], seeds: int) -> Iterator[Any]:
     yield rows(TRIALS, [*trials(helps)])
     if seeds == 1:
         yield ONE_SEED
-    for trial in helps:
-        values = (shlex.quote(f"{path}={json.dumps(value)}") for path, value in trial["set"].items())
-        yield f"{trial['what']}: {' '.join(f'--set {value}' for value in values)}"
+    yield from changes(helps)
 
 
 def replay(

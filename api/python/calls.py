@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from assur.scenes.schema.answer import Verdict
     from assur.scenes.schema.ik import IkAnswer
 
+A_CELL = "an assur.Cell, or the document of a cell; assur.load reads the one in a file"
+
 
 def load(name: str | Path) -> dict[str, Any]:
     """The request in a scenario file (YAML), a request file (``.json``) or a plan file, or in the shipped scenario of
@@ -110,7 +112,7 @@ def document_of(cell: object) -> dict[str, Any]:
     """The document of a cell, which is an `assur.Cell` or that document. Raises `InputError`."""
     found = cell if isinstance(cell, Mapping) else getattr(cell, "document", None)
     if not isinstance(found, Mapping):
-        raise InputError("cell", cell, "an assur.Cell, or the document of a cell")
+        raise InputError("cell", cell, A_CELL)
     return dict(found)
 
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar, Unpack
 
 from assur.api.python import exchange
 from assur.api.python.answer import Answer
-from assur.api.python.exchange import Exchange, Health
+from assur.api.python.exchange import Exchange, Health, Question
 from assur.api.python.service_errors import ServiceError
 from assur.planner.errors import InputError
 
@@ -146,24 +146,14 @@ class Client(_Endpoint):
         )
         return self._send(question)
 
-    def simulate(
-        self,
-        cell: str | Cell | Mapping[str, Any],
-        *,
-        minutes: float = 10.0,
-        seed: int = 1,
-        seeds: int = 1,
-        planning_ms: float = 20.0,
-        set: Mapping[str, object] | None = None,  # noqa: A002 as of `assur.Cell`
-        helps: bool = False,
-    ) -> Mapping[str, Any]:
-        """How many parts a minute a cell takes, and why not more: as `assur.simulate`, which states the arguments.
+    def simulate(self, cell: str | Cell | Mapping[str, Any], **question: Unpack[Question]) -> Mapping[str, Any]:
+        """How many parts a minute a cell takes, and why not more: as `assur.simulate`, which says what the other
+        arguments mean. `set`: values of the cell by their paths.
 
         `cell`: the digest of a cell that was sent (`put_cell`), or the cell or its document. Waits for the end of the
         job, however long that is; an interrupt cancels it.
         """
-        question = {"minutes": minutes, "seed": seed, "seeds": seeds, "planning_ms": planning_ms, "set": set}
-        job = self._send(exchange.simulating(cell, {**question, "helps": helps}))
+        job = self._send(exchange.simulating(cell, question))
         try:
             self._send(exchange.end_of(job))
         except BaseException:
@@ -267,24 +257,14 @@ class AsyncClient(_Endpoint):
         )
         return await self._send(question)
 
-    async def simulate(
-        self,
-        cell: str | Cell | Mapping[str, Any],
-        *,
-        minutes: float = 10.0,
-        seed: int = 1,
-        seeds: int = 1,
-        planning_ms: float = 20.0,
-        set: Mapping[str, object] | None = None,  # noqa: A002 as of `assur.Cell`
-        helps: bool = False,
-    ) -> Mapping[str, Any]:
-        """How many parts a minute a cell takes, and why not more: as `assur.simulate`, which states the arguments.
+    async def simulate(self, cell: str | Cell | Mapping[str, Any], **question: Unpack[Question]) -> Mapping[str, Any]:
+        """How many parts a minute a cell takes, and why not more: as `assur.simulate`, which says what the other
+        arguments mean. `set`: values of the cell by their paths.
 
         `cell`: the digest of a cell that was sent (`put_cell`), or the cell or its document. Waits for the end of the
         job, however long that is; an interrupt cancels it.
         """
-        question = {"minutes": minutes, "seed": seed, "seeds": seeds, "planning_ms": planning_ms, "set": set}
-        job = await self._send(exchange.simulating(cell, {**question, "helps": helps}))
+        job = await self._send(exchange.simulating(cell, question))
         try:
             await self._send(exchange.end_of(job))
         except BaseException:

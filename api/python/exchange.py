@@ -6,12 +6,13 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypedDict, TypeVar, cast
 
 from assur.api.python.answer import Answer
-from assur.api.python.calls import document_of, known, plain_answer, plain_parts, plain_request
+from assur.api.python.calls import A_CELL, document_of, known, plain_answer, plain_parts, plain_request
 from assur.api.python.service_errors import KIND, ProblemError, RemoteInputError, ServiceError
 from assur.planner.errors import InputError
 from assur.scenes.faults import dotted
@@ -28,6 +29,7 @@ PROBLEM = "application/problem+json"
 OK, CREATED, ACCEPTED, NOT_READY = 200, 201, 202, 503
 DIGEST = "request_digest"
 """The field of an answer that says to which request it is one."""
+DIGEST_OF_CELL = re.compile(r"[0-9a-f]{64}")
 
 
 @dataclass(frozen=True)
@@ -168,10 +170,23 @@ def planning_task(
     return Exchange("POST", f"v1/cells/{digest}/plans", made, body, tuple(how))
 
 
-def simulating(cell: object, question: dict[str, object]) -> Exchange[str]:
+class Question(TypedDict, total=False):
+    """What a simulation is to do with its cell; the service has the values of what is left out."""
+
+    minutes: float
+    seed: int
+    seeds: int
+    planning_ms: float
+    set: Mapping[str, object] | None
+    helps: bool
+
+
+def simulating(cell: object, question: Question) -> Exchange[str]:
     """A simulation of a cell, which is its digest or its document, is started; what comes of it is the id of its
-    job."""
-    given = {key: value for key, value in plain_parts(question).items() if value is not None}
+    job. Raises `InputError` for another cell."""
+    given = {key: value for key, value in plain_parts({**question}).items() if value is not None}
+    if isinstance(cell, str) and not DIGEST_OF_CELL.fullmatch(cell):
+        raise InputError("cell", cell, f"the digest of a cell that was sent (put_cell), or {A_CELL}")
     path = f"v1/cells/{cell}/simulations" if isinstance(cell, str) else "v1/simulations"
     body = _json(given if isinstance(cell, str) else {**given, "cell": plain(document_of(cell))})
     return Exchange("POST", path, lambda job: str(job["id"]), body)

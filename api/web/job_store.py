@@ -18,6 +18,7 @@ from assur.api.problems import Problem
 from assur.api.web.service import Order, Service
 from assur.api.workers import jobs
 from assur.api.workers.client import Client, Ticket
+from assur.api.workers.worker_process import ENDS_S
 
 State = Literal["working", "done", "failed", "cancelled"]
 """Whether a job is waited for or worked on, has an answer, ended with a problem, or was called off."""
@@ -130,6 +131,10 @@ class JobStore:
         running = [job.work for job in self._jobs.values() if job.work is not None]
         for work in running:
             work.cancel()
+        if running:
+            _, late = await asyncio.wait(running, timeout=ENDS_S)
+            for work in late:  # nobody can fetch the answer that it would leave: its worker is killed
+                work.cancel()
         await asyncio.gather(*running, return_exceptions=True)
 
     async def _run(self, job: Job, order: Order, ticket: Ticket) -> None:

@@ -8,7 +8,8 @@ Each client gets the same share of the workers' time, by start-time fair queuein
 tagged with the virtual time at which its client's earlier ones have been paid for, or with the present virtual time if
 that is later; the least tag is next. A client that asks for much waits behind itself, not before others, and saves
 nothing up while it is away. Costs and virtual times are seconds of a worker. Simulations have workers of their own, and
-are queued apart: what they cost delays no plan of their client.
+are queued apart: what they cost delays no plan of their client. Their clients hold no connection, so a simulation waits
+until it is its turn.
 """
 
 from __future__ import annotations
@@ -94,7 +95,7 @@ class Admission:
         tag = max(self._virtual_s[demand.simulation], self._paid.get(account, 0.0))
         ticket = Ticket(demand, expected_s, tag, self._clock())
         start, _ = self._forecast(ticket)[ticket] if self._running or self._waiting else (0.0, 0.0)
-        if start > self._places.wait_s:
+        if start > self._places.wait_s and not demand.simulation:
             raise busy(
                 start - self._places.wait_s,
                 f"It would wait {start:.0f} s for a worker, and at most {self._places.wait_s:g} s are allowed.",

@@ -26,6 +26,7 @@ from assur.api.workers.end import Tell
 from assur.api.workers.quarantine import Quarantine
 from assur.api.workers.traced import Traced
 from assur.api.workers.worker_process import (
+    ENDS_S,
     NO_MEMORY,
     About,
     CrashedError,
@@ -46,7 +47,7 @@ class Work:
     """What a worker is to do: the job and its arguments, and the digest of the request's body. `in_touch`: the last
     argument of the job is a `Line`, by which it tells how far it has come. `listens`: it asks there again and again
     whether it is called off; any other goes on when its client leaves, and its result is dropped. `leaves`: when it is
-    called off it sends the `Answer` that there is by then."""
+    called off it sends the `Answer` that there is by then, and has `check_s` for the step that it is at."""
 
     job: Callable[..., Any]
     arguments: tuple[Any, ...]
@@ -194,12 +195,12 @@ class Workers:
         if given.done():
             return given.result()
         try:
-            async with asyncio.timeout(late_s):
+            async with asyncio.timeout(None if ticket.demand.simulation else late_s):
                 return await asyncio.shield(given)
         except TimeoutError as late:
             if not self.ready:
                 raise Problem("not-ready", f"No worker was ready within {late_s:g} s.", again_s=5) from late
-            raise self.admission.full(simulation=ticket.demand.simulation) from late
+            raise self.admission.full() from late
 
     def _put_back(self, ticket: Ticket, number: int) -> None:
         """Has a request wait again, and frees the worker that it had borrowed."""
@@ -227,7 +228,8 @@ class Workers:
             about = About(left_s, suspect=deaths > 0, reported=report is not None) if work.in_touch else None
             try:
                 wall_s = ticket.demand.wall_s
-                running = self._processes[number].run(traced, work.arguments, wall_s, hear, about, listens=work.listens)
+                ends_s = None if not work.listens else self._settings.check_s if work.leaves else ENDS_S
+                running = self._processes[number].run(traced, work.arguments, wall_s, hear, about, ends_s=ends_s)
                 return await (self._unless_recalled(ticket, running) if ticket.borrows else running)
             except NotBegunError:
                 self.meters.restarted("idle")

@@ -35,6 +35,8 @@ FIRST: Document = {"minutes": 10.0, "seed": 1, "seeds": 1, "planning_ms": 20.0, 
 """The fields of a question, and what is taken where they are left out: as the command line has it."""
 CELL = "cell"
 OF_SET = "set."
+TEXT = "scenario"
+"""What a text in YAML is called in its faults."""
 NOT_ON_PAGE = ("certificate", "trajectory")
 """Fields of an answer that the page does not need of plans that begin behind the minute that it plays."""
 NICE = 10
@@ -154,7 +156,14 @@ def _simulated(digest: str | None, question: Question, most_s: float, line: Line
     line.tell(found)  # it stays where the job is called off while its page is drawn
     watch.drawing()
     about = str(changed.document.get("about", ""))
-    page = run_report(events.events, title=f"seed {made.first}", about=about, version=version(), found=result())
+    page = run_report(
+        events.events,
+        title=f"seed {made.first}",
+        about=about,
+        version=version(),
+        found=result(),
+        values=question.values,
+    )
     laps.lap("draw")
     return replace(found, page=page.encode())
 
@@ -180,8 +189,12 @@ def _text(text: str) -> tuple[Document, Placed]:
 
     try:
         document, lines = parse_yaml(text.encode("utf-8", "surrogatepass"))
-        if not isinstance(document, dict):
-            raise InputError(CELL, document, "a cell")
+    except InputError as error:  # the text as a whole is the field `cell`
+        named = documented(error).relocated(lambda field: CELL if field == TEXT else _in_question(field, ": "))
+        raise named from error
+    if not isinstance(document, dict):
+        raise DocumentError(CELL, document, "a cell", 1)
+    try:
         return with_files(document, CELLS), placed
     except InputError as error:
         raise placed(documented(error)) from error

@@ -254,14 +254,14 @@ class WorkerProcess:
         report: Tell | None = None,
         about: About | None = None,
         *,
-        listens: bool = False,
+        ends_s: float | None = None,
     ) -> Any:
         """What `job(*arguments)` returns, or raises, in the worker. Both are pickled.
 
         `about`: the job is in touch: it takes one more argument, a `Line`, and `report` takes what it sends there.
-        `listens`: it asks there whether it is called off, which cancelling does; it is killed if it does not end
-        within `ENDS_S`. Any other goes on when this is cancelled, up to `wall_s`, and its result is dropped; the second
-        time it is killed. The process stays if the job has ended.
+        `ends_s`: it asks there whether it is called off, which cancelling does; it is killed if it does not end
+        within this time, s. Any other (None) goes on when this is cancelled, up to `wall_s`, and its result is dropped;
+        the second time it is killed. The process stays if the job has ended.
 
         Raises `CrashedError` when the worker dies and `KilledError` when it is killed after `wall_s`. A process that
         died or was killed is closed until `start` is called again.
@@ -270,8 +270,8 @@ class WorkerProcess:
             raise NotBegunError("was not started")
         self.jobs += 1
         try:
-            ends_s = ENDS_S if listens else wall_s
-            succeeded, value = await self._in_time(self._end, (job, arguments, about), wall_s, report, ends_s=ends_s)
+            most_s = wall_s if ends_s is None else ends_s
+            succeeded, value = await self._in_time(self._end, (job, arguments, about), wall_s, report, ends_s=most_s)
         except BaseException:
             if not self._ended_early:
                 self._spoilt = True

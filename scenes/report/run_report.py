@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import platform
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -44,9 +44,11 @@ def run_report(
     version: str,
     from_s: float = 0.0,
     found: Document | None = None,
+    values: Mapping[str, object] | None = None,
 ) -> str:
     """The page as HTML. `events`: the calls of a log; `from_s`: since the start of the run, when what is played begins;
-    `found`: the result of the simulation whose first run this is, if it is one. Raises `InputError` for calls in which
+    `found`: the result of the simulation whose first run this is, if it is one, and `values` that were set in its cell,
+    by their paths. Raises `InputError` for calls in which
     no motion was executed, and for a time behind the run."""
     plans, until_s = executed_plans(events)
     if not plans:
@@ -61,6 +63,8 @@ def run_report(
     cycles = [(plan.until_s - plan.starts_s) for plan in plans if plan.handled("place")]
     figures = _figures(plans, placed, cycles, until_s - starts_s)
     cards = [card("About this cell", f"<p>{html.escape(about)}</p>", wide=True)] if about else []
+    if values:
+        cards.append(card("Values that were set in the cell", lines(words.set_options(values), ""), wide=True))
     cards += [
         card("The run", figures),
         card(f"What to know{_over(found)}", lines([*_known(found), _played(played, starts_s)], "")),
@@ -141,7 +145,9 @@ def _helps(found: Document | None) -> list[str]:
     """What would help, if that was tried."""
     if found is None or "helps" not in found:
         return []
-    tried = _table(words.TRIALS, words.trials(found["helps"])) if found["helps"] else "<p>no change was tried</p>"
+    tried = "<p>no change was tried</p>"
+    if found["helps"]:
+        tried = _table(words.TRIALS, words.trials(found["helps"])) + lines(words.changes(found["helps"]), "")
     return [card(f"What would help{_over(found)}", tried, wide=True)]
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Iterator
+import shlex
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 Document = dict[str, Any]
@@ -95,6 +97,16 @@ def trials(helps: list[Document]) -> Iterator[tuple[str, ...]]:
     for trial in helps:
         low_high = "" if trial["interval"] is None else "{:+.1f} to {:+.1f} %".format(*trial["interval"])
         yield trial["what"], _signed(trial["table_percent"]), _signed(trial["percent"]), low_high, _shown(trial)
+
+
+def set_options(values: Mapping[str, object]) -> list[str]:
+    """Values of a cell, by their paths, as a shell takes the options that set them."""
+    return [f"--set {shlex.quote(f'{path}={json.dumps(value)}')}" for path, value in values.items()]
+
+
+def changes(helps: list[Document]) -> list[str]:
+    """How each change that was tried is made."""
+    return [f"{trial['what']}: {' '.join(set_options(trial['set']))}" for trial in helps]
 
 
 def _shown(trial: Document) -> str:

@@ -64,7 +64,10 @@ def run_view(plans: Sequence[ExecutedPlan]) -> document.ViewDocument:
     bodies, meshes, points = _Bodies(), list[Mesh](), list[document.ShownPoint]()
     legs, held = list[document.ShownLeg](), list[document.ShownSpan]()
     for each in every:
-        plan, own = each.plan, shown_points(each.scene, each.arrivals, start)
+        plan = each.plan
+        steps = {leg["step"] for leg in plan.answer["legs"] if leg["from_s"] < plan.until_s}
+        # the plan that follows replaces the steps that were not begun
+        own = [point for point in shown_points(each.scene, each.arrivals, start) if point["step"] in steps]
         bodies.add(each, meshes, start)
         numbers = {point["step"]: len(points) + k for k, point in enumerate(own)}
         points += [{**point, "step": numbers[point["step"]]} for point in own]

@@ -313,8 +313,15 @@ def test_a_plan_takes_no_worker_for_simulations_and_what_these_cost_does_not_del
     assert service.working[0] is other
 
 
-def test_a_simulation_that_would_wait_too_long_is_refused_when_it_comes() -> None:
-    service = Service(replace(PLACES, wait_s=30.0, simulations=1))
-    service.post(GREEDY, 600.0, simulation=True)
-    assert service.refused(MODEST, wall_s=600.0, simulation=True).kind == "busy"
-    assert service.post(MODEST).begun is not None
+def test_a_simulation_waits_however_long_the_one_before_it_takes_and_no_plan_does() -> None:
+    service = Service(replace(PLACES, workers=1, short=0, waiting=2, wait_s=30.0, simulations=1))
+    long, next_one, last = (service.post(MODEST, 6000.0, simulation=True) for _ in range(3))
+    refused = service.refused(MODEST, wall_s=6000.0, simulation=True)
+    assert refused.kind == "busy"
+    assert int(refused.headers["Retry-After"]) > 30
+    service.post(MODEST, 6000.0)
+    assert service.refused(MODEST, wall_s=6000.0).kind == "busy"
+    service.end(long, 600.0)
+    assert service.working[1] is next_one
+    service.end(next_one, 600.0)
+    assert service.working[1] is last

@@ -22,6 +22,7 @@ from assur.api.workers.client import Client, Demand
 from assur.api.workers.pool import Work
 from assur.scenes.requests import with_options
 from tests.api.running import running
+from tests.api.watched_jobs import deaf
 
 pytestmark = pytest.mark.anyio
 
@@ -220,6 +221,24 @@ async def test_jobs_that_come_before_any_has_begun_have_places_of_their_own() ->
     assert {job.state for job in taken} == {"cancelled"}
     service.workers.require_room(ANYONE)
     assert service.workers.admission.waiting == 0
+
+
+async def test_the_end_of_the_service_does_not_wait_for_an_answer_that_a_job_would_leave(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("assur.api.web.job_store.ENDS_S", 0.05)
+    service = Service(Settings(workers=1, check_s=600.0))
+    service.workers.start()
+    store, work = JobStore(service), Work(deaf, (), "deaf", in_touch=True, listens=True, leaves=True)
+    try:
+        async with asyncio.timeout(300.0):  # a guard against a hang: the job would have 600 s
+            job = store.start(Order(work, Demand(ANYONE, 600.0, short=True, kind="test")))
+            while job.progress is None:
+                await asyncio.sleep(0.02)
+            await store.stop()
+    finally:
+        await service.workers.stop()
+    assert (job.state, job.answer) == ("cancelled", None)
 
 
 async def test_a_client_whose_jobs_end_in_numbers_drives_out_its_own_first() -> None:

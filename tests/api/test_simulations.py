@@ -9,6 +9,7 @@ import os
 import socket
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import httpx
@@ -117,11 +118,23 @@ def test_plans_are_made_while_all_workers_for_simulations_work(service: httpx.Cl
     job = begun(service)
     for _ in range(3):
         assert service.post("v1/plans", json=small).json()["status"] == "planned"
-    refused = service.post(f"{ADDRESS}/simulations", json=LONG)  # though the worker for plans is free
-    assert (refused.status_code, refused.json()["type"]) == (503, "urn:assur:problem:busy")
-    assert int(refused.headers["retry-after"]) > 1
     assert service.get(job).json()["state"] == "working"
     assert cancelled(service, job)["outcome"] == "incomplete"
+
+
+def test_simulations_wait_for_their_turn_in_a_queue_with_a_bound(service: httpx.Client) -> None:
+    job = begun(service)
+    waiting = [started(service, {**BRIEF, "seed": seed}) for seed in range(PATIENT.queue)]
+    refused = service.post(f"{ADDRESS}/simulations", json=LONG)
+    assert (refused.status_code, refused.json()["type"]) == (503, "urn:assur:problem:busy")
+    assert int(refused.headers["retry-after"]) > 1
+    for each in waiting[1:]:
+        assert service.get(each).json()["progress"] is None
+        assert service.delete(each).status_code == 200
+        assert [*events(service, each)][-1][1]["state"] == "cancelled"
+        assert service.get(f"{each}/answer").json()["type"] == "urn:assur:problem:job-not-done"
+    assert cancelled(service, job)["outcome"] == "incomplete"
+    assert [*events(service, waiting[0])][-1][1]["outcome"] == "complete"
 
 
 @pytest.mark.parametrize(
@@ -179,8 +192,9 @@ def test_a_fault_of_the_cell_ends_the_job_and_is_named(
         (TEXT.replace("kind: soap", "kind: sop"), {}, "cell: streams.soap.kind", 29),
         (TEXT, {"streams.soap.kind": "sop"}, "set.streams.soap.kind", None),
         (TEXT.partition("streams:")[0], {}, "cell: streams", 1),
-        ("schema: [", {}, "cell: scenario", 2),
-        ("[]", {}, "cell: cell", 1),
+        ("schema: [", {}, "cell", 2),
+        ("[]", {}, "cell", 1),
+        ("schema: 1\nschema: 2", {}, "cell: schema", 2),
     ],
 )
 def test_a_fault_of_a_text_has_its_line(
@@ -219,6 +233,11 @@ def test_a_client_simulates_a_cell_that_it_has_sent_and_one_that_it_sends(servic
         assert client.simulate(CELL, minutes=0.1, set={"selection": "fifo"})["selection"] == "fifo"
         with pytest.raises(assur.InputError, match=r"minutes: .*at most 60"):
             client.simulate(CELL, minutes=61)
+        with pytest.raises(assur.InputError, match=r"minuten: .*no field but minutes"):
+            client.simulate(CELL, minuten=1)  # type: ignore[call-arg]
+        for other in ("cell.yaml", Path("cell.yaml"), "0" * 63):
+            with pytest.raises(assur.InputError, match=r"cell: .*assur\.load reads the one in a file"):
+                client.simulate(other)  # type: ignore[arg-type]
         with pytest.raises(assur.InputError, match=r"cell\.streams: .*at least one stream"):
             client.simulate(WITHOUT_STREAMS)
 

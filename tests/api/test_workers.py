@@ -25,7 +25,15 @@ from assur.api.workers.client import Client, Demand
 from assur.api.workers.pool import Work, Workers
 from assur.api.workers.worker_process import NAME, CrashedError, KilledError, NotBegunError, WorkerProcess
 from tests.api.test_metrics import value
-from tests.api.watched_jobs import all_but_the_last, counting, deaf, dies_unless, recalled_once, until_called_off
+from tests.api.watched_jobs import (
+    all_but_the_last,
+    counting,
+    deaf,
+    dies_unless,
+    leaving,
+    recalled_once,
+    until_called_off,
+)
 
 SETTINGS = Settings(workers=2, queue=1, queue_wait_s=30.0, warm_s=60.0, max_tasks=1000)
 ONE = replace(SETTINGS, workers=1)
@@ -165,6 +173,38 @@ async def test_a_job_that_is_called_off_keeps_its_worker_if_it_ends_soon(
         await working
     assert (await pid_of(workers) == told[0]) == stays
     assert told == told[:1]
+
+
+@pytest.mark.parametrize("leaves", [True, False])
+async def test_a_job_that_leaves_an_answer_has_time_for_the_step_that_it_is_at(
+    workers: Workers, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, leaves: bool
+) -> None:
+    monkeypatch.setattr("assur.api.workers.pool.ENDS_S", 0.02)
+    step, told = tmp_path / "step", list[Any]()
+    ticket = workers.admit(Demand(ANYONE, 90.0, short=True, kind="test"))
+    work = Work(leaving, (str(step),), "leaving", in_touch=True, listens=True, leaves=leaves)
+    working = asyncio.create_task(workers.run(ticket, work, told.append))
+    await until(lambda: bool(told))
+    working.cancel()
+    await asyncio.sleep(0.2)
+    step.touch()
+    with pytest.raises(asyncio.CancelledError):
+        await working
+    assert told[1:] == (["what there is"] if leaves else [])
+    assert (await pid_of(workers) == told[0]) == leaves
+
+
+@with_workers(replace(ONE, check_s=0.1))
+async def test_a_job_that_leaves_no_answer_in_time_loses_its_worker(workers: Workers) -> None:
+    told = list[Any]()
+    ticket = workers.admit(Demand(ANYONE, 90.0, short=True, kind="test"))
+    work = Work(deaf, (), "deaf", in_touch=True, listens=True, leaves=True)
+    working = asyncio.create_task(workers.run(ticket, work, told.append))
+    await until(lambda: bool(told))
+    working.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await working
+    assert await pid_of(workers) != told[0]
 
 
 async def test_a_job_that_does_not_listen_goes_on_when_its_client_leaves_and_keeps_its_worker(

@@ -7,7 +7,7 @@ import signal
 import time
 from pathlib import Path
 
-from assur.api.workers.worker_process import Line
+from assur.api.workers.worker_process import CalledOffError, Line
 
 kept: list[bytes] = []
 """What `all_but_the_last` does not free."""
@@ -26,6 +26,19 @@ def until_called_off(line: Line) -> None:
     while True:
         time.sleep(0.01)
         line.tell(None)
+
+
+def leaving(file: str, line: Line) -> str:
+    """Is at a step until a file is there, and listens only then; it leaves an answer where it is called off."""
+    line.tell(os.getpid())
+    while not Path(file).exists():
+        time.sleep(0.01)
+    try:
+        line.tell(None)
+    except CalledOffError:
+        line.tell("what there is")
+        raise
+    return "not called off"
 
 
 def deaf(line: Line) -> None:

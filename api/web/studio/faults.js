@@ -11,7 +11,7 @@ export const fault = (error) =>
 // button that has `open` show that text.
 export function showFaults(problem, other, open) {
   const errors = problem.errors || [];
-  const elsewhere = ({ field }) => other !== null && field.startsWith("cell: ") === (partOf(other.text) === "cell");
+  const elsewhere = ({ field }) => other !== null && /^cell(: |$)/.test(field) === (partOf(other.text) === "cell");
   const paragraphs = errors.map((error) => {
     const paragraph = document.createElement("p");
     if (error.line) {

@@ -1,5 +1,5 @@
 // The eye: around a target, moved by mouse, fingers and keys.
-import { add, clamp, cross, lookAt, multiply, orthographic, perspective, subtract, unit } from "./numbers.js";
+import { add, clamp, cross, dot, lookAt, multiply, orthographic, perspective, subtract, unit } from "./numbers.js";
 
 const ANGLE = (32 * Math.PI) / 180;
 const STEEPEST = 1.553;
@@ -22,8 +22,6 @@ export class Camera {
   look(name) {
     Object.assign(this, VIEWS[name]);
     if (name === "perspective") this.azimuth = this.box.work - ASIDE;
-    const { low, high } = this.box;
-    this.target = [0, 1, 2].map((k) => (low[k] + high[k]) / 2);
     this.moved = false;
     this.fit();
   }
@@ -35,17 +33,24 @@ export class Camera {
     if (!this.moved) this.fit();
   }
 
+  // As near as can be, with all points of the box in the picture, and in the middle of it.
   fit() {
-    const { low, high } = this.box;
+    const { points, middle } = this.box;
     const { right, up, back } = this.axes();
-    let most = 0.05;
-    for (let k = 0; k < 8; k += 1) {
-      const corner = [0, 1, 2].map((i) => (k & (1 << i) ? high[i] : low[i]) - this.target[i]);
-      const along = (axis) => Math.abs(corner[0] * axis[0] + corner[1] * axis[1] + corner[2] * axis[2]);
-      const nearer = this.flat ? 0 : corner[0] * back[0] + corner[1] * back[1] + corner[2] * back[2];
-      most = Math.max(most, Math.max(along(right) / this.aspect, along(up)) + nearer * Math.tan(ANGLE / 2));
-    }
-    this.distance = (1.08 * most) / Math.tan(ANGLE / 2);
+    const slope = Math.tan(ANGLE / 2);
+    const [across, along] = [[right, slope * this.aspect], [up, slope]].map(([axis, most]) => {
+      const ends = [-Infinity, -Infinity]; // how far the eye must be for the points on either side
+      for (const point of points) {
+        const p = subtract(point, middle);
+        const nearer = this.flat ? 0 : dot(p, back);
+        const aside = dot(p, axis) / most;
+        ends[0] = Math.max(ends[0], nearer - aside);
+        ends[1] = Math.max(ends[1], nearer + aside);
+      }
+      return { shift: (most * (ends[1] - ends[0])) / 2, distance: (ends[0] + ends[1]) / 2 };
+    });
+    this.target = add(add(middle, right, across.shift), up, along.shift);
+    this.distance = 1.08 * Math.max(across.distance, along.distance, 0.1);
   }
 
   // What is seen, whatever the shape of the picture: to be given to the camera of another page.

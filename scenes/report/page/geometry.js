@@ -93,13 +93,13 @@ function shapesOf(meshes) {
 
 export const KINDS = ["robot", "tool", "part", "body", "neighbour"];
 
-// Bodies that never leave their carrier are one batch with all others on it, in its frame; a part that is carried is a
-// batch of its own, in its own frame. So there are few draw calls, however many bodies stand around.
+// Bodies that are always on their carrier are one batch with all others on it, in its frame; a part that is carried, comes
+// or goes is a batch of its own, in its own frame. So there are few draw calls, however many bodies stand around.
 export function batches(view) {
   const shapes = shapesOf(view.meshes);
   const found = new Map();
   view.bodies.forEach((body, number) => {
-    const alone = body.seats.length > 1;
+    const alone = body.seats.length > 1 || body.seats[0].from_s > 0 || body.gone_s !== null;
     const key = alone ? `body ${number}` : `carrier ${body.seats[0].carrier}`;
     if (!found.has(key)) found.set(key, { body: alone ? body : null, carrier: body.seats[0].carrier, members: [] });
     found.get(key).members.push({ body: { ...body, number }, alone });

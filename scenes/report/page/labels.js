@@ -5,8 +5,6 @@ const NEAR_PX = 10; // a pointer that is nearer than this to a control point is 
 const [BESIDE, LINE] = [9, 22]; // from a point to its label, and from one line of labels to the next, px
 const MARK = 8; // so far around a control point there is no label of another one, px
 const SPACE = 1; // between two labels, px
-const MANY = 40; // where there are more control points, only those have labels that are met within so many seconds
-const SOON_S = 3;
 
 // Where a label of a width may be from its point: to the right or left, above or below, then a line farther.
 const places = (width) => [-LINE, 6, -2 * LINE, 6 + LINE].flatMap((y) => [[BESIDE, y], [-BESIDE - width, y]]);
@@ -48,7 +46,6 @@ export class Labels {
       this.put(this.distance, this.renderer.onPage(pair.points[0].map((x, k) => (x + pair.points[1][k]) / 2)), taken, [[BESIDE, 8]]);
     }
     const points = this.tracks.view.control_points;
-    const shown = points.map((point) => points.length <= MANY || Math.abs(point.time_s - t) < SOON_S);
     const found = points.map((point, number) => {
       const { p } = this.tracks.pointPose(point, t, carriers);
       const at = this.renderer.onPage(p);
@@ -59,8 +56,12 @@ export class Labels {
     found.sort((a, b) => b.first - a.first || a.far - b.far || a.number - b.number);
     if (show.points) for (const { number, at: { x, y } } of found)
       taken.push({ of: this.points[number], x: x - MARK, y: y - MARK, width: 2 * MARK, height: 2 * MARK });
+    const named = new Set(); // several points with one name at one place have one label
     for (const { number, at, first } of found) {
-      if (show.points && shown[number]) this.put(this.points[number], at, taken, null, first > 0);
+      const name = `${points[number].name} ${at.x.toFixed(0)} ${at.y.toFixed(0)}`;
+      const again = named.has(name);
+      named.add(name);
+      if (show.points && !again && this.tracks.isShown(points[number], t)) this.put(this.points[number], at, taken, null, first > 0);
       else this.points[number].element.hidden = true;
     }
   }

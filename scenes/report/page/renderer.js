@@ -139,7 +139,7 @@ export class Renderer {
     const matrix = camera.matrix();
     const carriers = this.tracks.carrierPoses(t);
     const poses = this.batches.map(({ body, carrier }) => {
-      if (body && body.gone_s !== null && t >= body.gone_s) return NOWHERE;
+      if (body && !this.tracks.isThere(body, t)) return NOWHERE;
       return matrixOf(body ? this.tracks.bodyPose(body, t, carriers) : carriers[carrier]);
     });
     const hot = show.pair && pair ? pair.bodies : this.met.length ? this.met : [-1, -1];
@@ -326,6 +326,7 @@ export class Renderer {
   drawPoints(carriers, show) {
     if (!show.points) return;
     this.tracks.view.control_points.forEach((point, k) => {
+      if (!this.tracks.isShown(point, this.t)) return;
       const pose = matrixOf(this.tracks.pointPose(point, this.t, carriers));
       const met = point.time_s !== null && this.t >= point.time_s && this.t <= point.until_s + 1e-6;
       const done = point.until_s !== null && this.t > point.until_s;
@@ -413,40 +414,49 @@ function workOf(tracks) {
   return Math.atan2(y, x);
 }
 
-// By how much of the size of what moves the bodies around may widen the picture.
-const AROUND = 0.25;
+// How far from its base, m, the arm may reach: the length of its links.
+function reachOf(tracks) {
+  const links = tracks.carriers.slice(0, tracks.view.tool.carrier + 1).map((carrier) => carrier.at(0).p);
+  return links.slice(1).reduce((sum, p, k) => sum + Math.hypot(p[0] - links[k][0], p[1] - links[k][1]), 0);
+}
 
-// The box of what moves and of the robot, for the camera, and of what stands near them: belts and tables are often much
-// longer than what counts.
+// At so many times the robot is in the picture as a whole.
+const TIMES = 50;
+
+// What is seen of a cell at first: the robot wherever it moves, the path of its tool, the control points, and the bodies
+// around as far as they are within the reach of the arm: belts and tables are often much longer. `points`: corners of all.
 function boxOf(tracks, all) {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
-  const take = (p, around = 0) => {
+  const points = [];
+  const take = (p) => {
+    points.push(p);
     for (let k = 0; k < 3; k += 1) {
-      low[k] = Math.min(low[k], p[k] - around);
-      high[k] = Math.max(high[k], p[k] + around);
+      low[k] = Math.min(low[k], p[k]);
+      high[k] = Math.max(high[k], p[k]);
     }
   };
-  let floor = Infinity;
+  const corners = (batch, t) => {
+    const m = matrixOf(batch.body ? tracks.bodyPose(batch.body, t) : tracks.carriers[batch.carrier].at(t));
+    return Array.from({ length: 8 }, (_, k) => {
+      const corner = [0, 1, 2].map((i) => (k & (1 << i) ? batch.high[i] : batch.low[i]));
+      return [0, 1, 2].map((r) => m[r] * corner[0] + m[4 + r] * corner[1] + m[8 + r] * corner[2] + m[12 + r]);
+    });
+  };
   const around = [];
   for (const batch of all) {
-    const pose = batch.body ? tracks.bodyPose(batch.body, 0) : tracks.carriers[batch.carrier].at(0);
-    const m = matrixOf(pose);
-    for (let k = 0; k < 8; k += 1) {
-      const corner = [0, 1, 2].map((i) => (k & (1 << i) ? batch.high[i] : batch.low[i]));
-      const p = [0, 1, 2].map((r) => m[r] * corner[0] + m[4 + r] * corner[1] + m[8 + r] * corner[2] + m[12 + r]);
-      floor = Math.min(floor, p[2]);
-      if (batch.kinds.has("robot") || batch.kinds.has("tool")) take(p);
-      else around.push(p);
-    }
+    if (batch.kinds.has("robot") || batch.kinds.has("tool")) {
+      for (let k = 0; k <= TIMES; k += 1) corners(batch, (k / TIMES) * tracks.view.lasts_s).forEach(take);
+    } else if (!batch.body || tracks.isThere(batch.body, 0)) around.push(...corners(batch, 0));
   }
-  const { points } = tracks.toolPath;
-  for (let k = 0; k < points.length; k += 3) take(points.subarray(k, k + 3), 0.06);
-  for (const point of tracks.view.control_points) take(tracks.pointPose(point, point.time_s || 0).p, 0.06);
-  const margin = AROUND * Math.max(high[0] - low[0], high[1] - low[1]);
-  const [least, most] = [low.map((x) => x - margin), high.map((x) => x + margin)];
+  const { points: path } = tracks.toolPath;
+  for (let k = 0; k < path.length; k += 3) take(Array.from(path.subarray(k, k + 3)));
+  for (const point of tracks.view.control_points) take(tracks.pointPose(point, point.time_s || 0).p);
+  const floor = Math.min(low[2], ...around.map((p) => p[2]));
+  const [base, reach] = [tracks.carriers[0].at(0).p, reachOf(tracks)];
+  const [least, most] = [low.map((x, k) => Math.min(x, base[k] - reach)), high.map((x, k) => Math.max(x, base[k] + reach))];
   for (const p of around) take(p.map((x, k) => clamp(x, least[k], most[k])));
   const middle = [0, 1, 2].map((k) => (low[k] + high[k]) / 2);
   const radius = Math.hypot(...[0, 1, 2].map((k) => (high[k] - low[k]) / 2));
-  return { low, high, middle, radius, floor, work: workOf(tracks) };
+  return { points, middle, radius, floor, work: workOf(tracks) };
 }

@@ -37,6 +37,10 @@ export function bracket(times, t) {
   return { k, next, share };
 }
 
+// Where there are more control points than this, only those are shown that are met within so many seconds.
+const MANY = 40;
+const SOON_S = 3;
+
 class Carrier {
   constructor(track) {
     this.name = track.name;
@@ -97,6 +101,17 @@ export class Tracks {
   bodyPose(body, t, carriers = this.carrierPoses(t)) {
     const seat = this.seat(body, t);
     return then(carriers[seat.carrier], seatPose(seat));
+  }
+
+  // Whether a body is there: from its first seat on, until it is taken away.
+  isThere(body, t) {
+    return t >= body.seats[0].from_s && (body.gone_s === null || t < body.gone_s);
+  }
+
+  // Whether a control point is shown: where there are many, those that are met now or soon.
+  isShown(point, t) {
+    if (this.view.control_points.length <= MANY || point.time_s === null) return true;
+    return point.time_s < t + SOON_S && t <= point.until_s + 1e-6;
   }
 
   pointPose(point, t, carriers = this.carrierPoses(t)) {

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import html
 import json
 import re
+import shlex
 from itertools import pairwise
 from typing import Any
 
@@ -111,12 +113,14 @@ def test_legs_and_what_is_held_end_where_a_plan_is_left(plans: list[LoggedPlan],
     assert [span["names"] for span in view["held"]] == [["a"], ["b"]]
     assert {view["control_points"][leg["step"]]["step"] for leg in legs} <= set(range(len(view["control_points"])))
     assert [point["step"] for point in view["control_points"]] == list(range(len(view["control_points"])))
+    assert {leg["step"] for leg in legs} == set(range(len(view["control_points"])))  # none of a step that was replaced
 
 
 def test_the_page_has_the_figures_of_the_run_and_fetches_nothing(
     events: list[Document], plans: list[LoggedPlan]
 ) -> None:
-    page = run_report(events, title="A <run>", about="Brackets & a belt.", version="1", found=FOUND)
+    values = {"kinds.a.yaw_deg": [-5, 5], "options.elbow": "<auto>"}
+    page = run_report(events, title="A <run>", about="Brackets & a belt.", version="1", found=FOUND, values=values)
     assert "A &lt;run&gt; - assur" in page
     assert "Brackets &amp; a belt." in page
     assert "Parts &amp; belts are a bottleneck." in page
@@ -125,7 +129,12 @@ def test_the_page_has_the_figures_of_the_run_and_fetches_nothing(
     assert "The arm waits for bodies to pass, 25.0 % of the time." in page
     assert "velocity of j1 (3 of 4)" in page
     assert "What would help, over 2 runs<" in page
-    assert "no dwell &amp; no wait" in page
+    assert "<td>no dwell &amp; no wait</td>" in page
+    assert "<li>no dwell &amp; no wait: --set kinds.a.dwell_ms=0</li>" in page
+    assert "Values that were set in the cell" in page
+    shown = re.findall("<li>(--set .*?)</li>", page)
+    set_again = dict(shlex.split(html.unescape(each))[1].split("=") for each in shown)
+    assert {path: json.loads(value) for path, value in set_again.items()} == values
     placed, lasts_s = sum(len(each.handled("place")) for each in plans), plans[-1].until_s - plans[0].starts_s
     assert f"{60 * placed / lasts_s:.1f} parts a minute" in page
     assert f"<dd>2, {placed}</dd>" in page
@@ -139,6 +148,7 @@ def test_the_page_of_a_log_has_all_legs_and_the_worst_error_of_a_pick(
 ) -> None:
     page = run_report(events, title="run", about="", version="1")
     assert "What would help" not in page
+    assert "Values that were set" not in page
     shown = re.findall(r"<tr><td>([a-z ]+)</td><td[^>]*>([\d.]+)</td><td[^>]*>([\d.]+) %</td>", page)
     assert [name for name, _, _ in shown][:5] == [
         "travel to the part", "approach of the part", "dwell at the part", "depart from the part", "travel to the slot"
