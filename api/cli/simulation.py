@@ -54,6 +54,8 @@ def simulate(
     announce_compilation()
     with given.located():
         made = Simulation(given.document, minutes, seed, seeds, planning_ms)
+        for note in made.cell.notes:
+            say(f"note: {note}")
         interrupted, events, trials = False, Events(), Helps(made)
         try:
             with _shown(made) as watch, _recorded(made, log, events if page else None) as record:
