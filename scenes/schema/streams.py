@@ -21,9 +21,11 @@ from assur.scenes.schema.model import (
     Span,
     Stretch,
 )
+from assur.scenes.schema.stated import BOTH_FORMS
 
 Share = Annotated[float, Field(ge=bounds.LEAST, le=bounds.STRONG)]
 Angles = Annotated[list[Angle], Field(min_length=2, max_length=2)]
+SlotsOfKinds = Annotated[dict[Name, Name], Field(min_length=1, max_length=bounds.MAX_BODIES)]
 MAX_LANES, MAX_BATCH = 16, 100
 
 
@@ -74,5 +76,5 @@ class StreamDocument(Document):
     lanes_m: Annotated[list[Coordinate], Field(min_length=1, max_length=MAX_LANES)] | None = None
     yaw_rad: Angles | None = None
     seen: SeenDocument
-    to: Name | Annotated[dict[Name, Name], Field(min_length=1, max_length=bounds.MAX_BODIES)] | None = None
+    to: Annotated[Name | SlotsOfKinds, BOTH_FORMS] | None = None
     window_m: Stretch

@@ -222,6 +222,12 @@ def test_a_part_of_a_table_that_comes_behind_the_line_is_never_seen() -> None:
         ({"to": {"disc": "box"}}, "to", "slots for bar"),
         ({"to": {"bar": "bix"}}, "to.bar", "did you mean box"),
         ({"to": {"bar": "box", "disc": "tray"}}, "to.disc", "kinds of this stream"),
+        ({"to": 3}, "to", "text, or a mapping"),
+        ({"to": ["box"]}, "to", "text, or a mapping"),
+        ({"to": {}}, "to", "at least 1 item"),
+        ({"to": "bo x"}, "to", "a name: a letter"),
+        ({"to": {"bar": 3}}, "to.bar", "text"),
+        ({"to": {"b ar": "box"}}, "to.b ar", "a name: a letter"),
         ({"every_s": 0.49}, "every_s", "0.5 s or more"),
         ({"every_s": math.nan}, "every_s", ""),
         ({"every_s": 0}, "every_s", ""),
@@ -250,6 +256,13 @@ def test_a_part_of_a_table_that_comes_behind_the_line_is_never_seen() -> None:
 def test_what_is_wrong_in_a_stream_is_named(changes: Document, field: str, allowed: str) -> None:
     with refused_at(f"streams.bars.{field}".rstrip("."), allowed):
         found(cell(changes))
+
+
+@pytest.mark.parametrize("to", [3, True, ["box"], {}, {"bar": 3}, {"b ar": "box"}, "bo x"])
+def test_slots_that_are_no_name_and_no_mapping_are_one_fault(to: object) -> None:
+    with pytest.raises(assur.InputError) as caught:
+        found(cell({"to": to}))
+    assert len(caught.value.errors) == 1
 
 
 def test_all_streams_are_read_and_all_faults_are_named() -> None:
