@@ -124,9 +124,9 @@ def _of_fields(model: type[BaseModel]) -> TypeAdapter[Any]:
 
 
 def _location(model: Any, document: object, parts: Path) -> Path | None:
-    """The keys on the path to a fault, from pydantic's location: without the form of a field and the mark of a mapping's
-    key, which may have the name of a document's own key. None for a fault of the form of a field that was not given:
-    pydantic tries both forms, and refuses both."""
+    """The keys on the path to a fault, from pydantic's location: without the form of a field and the mark of a
+    mapping's key, which may have the name of a document's own key. None for a fault of the form of a field that was not
+    given: pydantic tries both forms, and refuses both."""
     found: Path = ()
     seen: Path | None = None
     for part in parts:

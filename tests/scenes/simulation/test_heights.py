@@ -70,7 +70,11 @@ def test_a_part_above_the_floor_of_a_box_and_below_its_rim_is_noted() -> None:
 @pytest.mark.parametrize(
     ("document", "field", "allowed"),
     [
-        (comes(12), "streams.soap.at_mm", "soap is more than 1 mm inside belt-bed. Its lowest point is at z 47 mm, and"),
+        (
+            comes(12),
+            "streams.soap.at_mm",
+            "soap is more than 1 mm inside belt-bed. Its lowest point is at z 47 mm, and",
+        ),
         (of_box(61), "slots.box.at_mm", "soap is more than 1 mm inside box-bottom"),
         (of_box(61, contact_with=None), "slots.box.at_mm", "and the highest of box-bottom at 50 mm"),
         (on_trays.cell(**{"slots__on-tray__at_mm": [42, -30, 15]}), "slots.on-tray.at_mm", "inside tray-1"),
