@@ -19,7 +19,7 @@ from assur.api.cli.console_report import rows
 from assur.api.cli.inputs import Values, set_values
 from assur.api.version import version
 from assur.planner.errors import InputError
-from assur.scenes.simulation.words import LEGS, ONE_SEED, TRIALS, legs, pick_error, share_of_time, trials, waits
+from assur.scenes.simulation.words import LEGS, ONE_SEED, PARTS, TRIALS, legs, pick_error, share_of_time, trials, waits
 
 if TYPE_CHECKING:
     from assur.scenes.session.recorded import Events, Record
@@ -124,7 +124,7 @@ def words(name: str, found: Document) -> Iterator[Any]:
     yield f"simulated {minutes:.4g} min{seeds}, {found['selection']}, elbow {found['elbow'] or 'as the arm has it'}"
     yield ""
     cycle_s = "none" if found["cycle_s"] is None else f"{found['cycle_s']:.3f} s"
-    lines = [(key, f"{found[key]}") for key in ("known", "picked", "placed", "missed")]
+    lines = [(key, f"{found[key]}") for key in PARTS]
     lines += [("mean cycle", f"{cycle_s} (without obstacles and waits {found['table_cycle_s']:.3f} s)")]
     lines += [("the arm takes parts", share_of_time(found["moving"])), *waits(found)]
     lines += [("worst error of a pick", pick_error(found))]

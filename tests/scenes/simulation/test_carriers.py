@@ -90,6 +90,8 @@ def test_each_part_is_put_down_once_or_missed_or_still_coming() -> None:
     assert known == {*names} | left | coming
     assert not {*names} & (left | coming)
     assert (figures["known"], figures["missed"]) == (len(known), len(left))
+    on_the_way = {cycle.part for cycle in done.tally.cycles if cycle.picked_s > SECONDS}
+    assert figures["remaining"] == len(coming | on_the_way) > 0
     assert left
 
 
