@@ -20,6 +20,7 @@ from assur.scenes.schema.read import read_fields
 from assur.scenes.schema.request import OptionsDocument, RequestDocument
 from assur.scenes.simulation.choice import Chooser, chooser_of
 from assur.scenes.simulation.heights import check_heights
+from assur.scenes.simulation.room import room_notes
 from assur.scenes.simulation.unseen import Unseen, unseen_name, unseen_of
 from assur.scenes.streams.stream import Stream, streams_of
 from assur.scenes.tasks.kept_cell import KeptCellFile
@@ -51,7 +52,8 @@ class SimulatedCell:
 
     `document`: the cell with its streams, and with the options of a run. `leaves_m`: x, in the frame of each stream,
     from which on nothing of the arm can reach its parts. `apart_m`: the clearance near control points. `stay_s`: how
-    long standing is proved. `start`: that of a run, in the refuge. `notes`: about the heights of parts.
+    long standing is proved. `start`: that of a run, in the refuge. `notes`: about heights of parts, and room
+    between them.
     """
 
     document: Document
@@ -127,7 +129,8 @@ def simulated(document: Document) -> SimulatedCell:
             leaves.append(along + most)
         start |= {} if chooser.elbow is None else {"elbow": chooser.elbow}
         with stands_in(valid.refuge, whole.file.written):
-            notes = check_heights(kept, whole.file.written, streams, around.frames, start)
+            heights = check_heights(kept, whole.file.written, streams, around.frames, start)
+        room = room_notes(valid, streams, around.given.tool, stated.clearance_m.near)
     return SimulatedCell(
         {**whole.file.written, "options": options},
         kept,
@@ -139,7 +142,7 @@ def simulated(document: Document) -> SimulatedCell:
         stated.stay_safe_s,
         valid.refuge,
         start,
-        notes,
+        (*heights, *room),
     )
 
 

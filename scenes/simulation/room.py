@@ -1,4 +1,4 @@
-"""Room between the parts of a stream: whether one can be picked between two others that are as near as they may come."""
+"""Room between the parts of a stream: whether one can be picked between two others that are as near as may be."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ def room_notes(cell: CellDocument, streams: Sequence[Stream], tool: Tool, near_m
         if least_m < needed_m:
             tool_is = f", {amount(wider_m, 'm')} by which the tool is wider" if wider_m > 0.0 else ""
             yield (
-                f"{stream.name}: a part may come {amount(least_m, 'm')} behind another. To pick it for certain "
-                f"{amount(needed_m, 'm')} are needed ({amount(near_m, 'm')} clearance, {amount(off_m, 'm')} "
-                f"uncertainty{tool_is}); gap_mm of the stream states how near parts may come"
+                f"{stream.name}: a part may come {amount(least_m, 'm')} behind another, and to pick it for "
+                f"certain {amount(needed_m, 'm')} are needed ({amount(near_m, 'm')} clearance, {amount(off_m, 'm')} "
+                f"uncertainty{tool_is}). gap_mm of the stream states how near parts come"
             )
 
 

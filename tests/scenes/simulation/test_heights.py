@@ -33,10 +33,14 @@ def comes(z_mm: float) -> Document:
     return cell({"at_mm": [-900, 0, z_mm]})
 
 
+def heights(document: Document) -> tuple[str, ...]:
+    """The notes about heights."""
+    return tuple(note for note in simulated(document).notes if "rests on nothing" in note)
+
+
 @pytest.mark.parametrize("name", FLOWS)
 def test_parts_that_lie_where_they_should_have_no_note(name: str) -> None:
-    assert simulated(flow(name)).notes == ()
-    assert simulated(on_trays.cell()).notes == simulated(cell()).notes == ()
+    assert heights(flow(name)) == heights(on_trays.cell()) == heights(cell()) == ()
 
 
 @pytest.mark.parametrize(
@@ -57,14 +61,14 @@ def test_parts_that_lie_where_they_should_have_no_note(name: str) -> None:
     ],
 )
 def test_a_part_in_the_air_is_noted(document: Document, note: str) -> None:
-    assert simulated(document).notes == (note,)
+    assert heights(document) == (note,)
     assert note in Simulation(document, 0.2, 1, 1, 20.0).document["notes"]
 
 
 def test_a_part_above_the_floor_of_a_box_and_below_its_rim_is_noted() -> None:
     found = of_box(69, contact_with=None)
     found["bodies"] = [*found["bodies"], RIM]
-    assert simulated(found).notes == ("slots.box.at_mm: soap is 4 mm from box-bottom, and rests on nothing",)
+    assert heights(found) == ("slots.box.at_mm: soap is 4 mm from box-bottom, and rests on nothing",)
 
 
 @pytest.mark.parametrize(
@@ -90,7 +94,7 @@ def test_heights_are_those_of_each_kind() -> None:
     """A flat kind hangs in the air where a high one lies."""
     kinds = copy.deepcopy(cell()["kinds"])
     kinds["chip"] = {**kinds["soap"], "shape": {"box": {"size_mm": [40, 40, 20]}}}
-    found = simulated(cell({"kind": None, "kinds": {"soap": 1, "chip": 1}}, kinds=kinds)).notes
+    found = heights(cell({"kind": None, "kinds": {"soap": 1, "chip": 1}}, kinds=kinds))
     assert found == tuple(
         f"{field}: chip is 5 mm from {body}, and rests on nothing"
         for field, body in (("streams.soap.at_mm", "belt-bed"), ("slots.box.at_mm", "box-bottom"))
