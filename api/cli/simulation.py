@@ -54,7 +54,7 @@ def simulate(
     announce_compilation()
     with given.located():
         made = Simulation(given.document, minutes, seed, seeds, planning_ms)
-        for note in made.cell.notes:
+        for note in made.cell.heights:
             say(f"note: {note}")
         interrupted, events, trials = False, Events(), Helps(made)
         try:

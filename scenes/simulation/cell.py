@@ -52,8 +52,8 @@ class SimulatedCell:
 
     `document`: the cell with its streams, and with the options of a run. `leaves_m`: x, in the frame of each stream,
     from which on nothing of the arm can reach its parts. `apart_m`: the clearance near control points. `stay_s`: how
-    long standing is proved. `start`: that of a run, in the refuge. `notes`: about heights of parts, and room
-    between them.
+    long standing is proved. `start`: that of a run, in the refuge. `heights`, `room`: notes about heights of parts, and
+    room between them.
     """
 
     document: Document
@@ -66,7 +66,8 @@ class SimulatedCell:
     stay_s: float
     refuge: str
     start: Document
-    notes: tuple[str, ...]
+    heights: tuple[str, ...]
+    room: tuple[str, ...]
 
     def kept_from(self, at_s: float) -> KeptCellFile:
         """The same cell with the frames of its streams stated for a time, s. A part that is seen then has small
@@ -130,7 +131,7 @@ def simulated(document: Document) -> SimulatedCell:
         start |= {} if chooser.elbow is None else {"elbow": chooser.elbow}
         with stands_in(valid.refuge, whole.file.written):
             heights = check_heights(kept, whole.file.written, streams, around.frames, start)
-        room = room_notes(valid, streams, around.given.tool, stated.clearance_m.near)
+        room = tuple(room_notes(valid, streams, around.given.tool, stated.clearance_m.near))
     return SimulatedCell(
         {**whole.file.written, "options": options},
         kept,
@@ -142,7 +143,8 @@ def simulated(document: Document) -> SimulatedCell:
         stated.stay_safe_s,
         valid.refuge,
         start,
-        (*heights, *room),
+        heights,
+        room,
     )
 
 

@@ -132,7 +132,7 @@ class Simulation:
         return found | {"bottleneck": bottleneck(found)}
 
     def _notes(self, cycle_s: float) -> Iterator[str]:
-        yield from self.cell.notes
+        yield from (*self.cell.heights, *self.cell.room)
         for stream in self.cell.chooser.streams.values():
             needed_m = stream.speed_m_s * (cycle_s + stream.latency_s) + 2.0 * stream.radius_m
             there_m = stream.window_m[0] - stream.seen_m

@@ -358,11 +358,11 @@ def test_notes_say_where_the_camera_is_too_near_and_where_the_order_hardly_matte
 
 def test_a_stream_whose_parts_may_be_too_near_to_each_other_to_be_picked_is_noted() -> None:
     needed_mm = 1 + 2 * (1 + math.hypot(30, 20) * math.radians(1))
-    (note,) = simulated(cell()).notes
+    (note,) = simulated(cell()).room
     assert note.startswith("soap: a part may come 0 mm behind another, and to pick it for certain 4.26 mm are needed")
-    assert len(simulated(cell({"gap_mm": needed_mm - 0.01})).notes) == 1
-    assert simulated(cell({"gap_mm": needed_mm + 0.01})).notes == ()
-    assert simulated(cell({"mean_s": None, "every_s": 1})).notes == ()
+    assert len(simulated(cell({"gap_mm": needed_mm - 0.01})).room) == 1
+    assert simulated(cell({"gap_mm": needed_mm + 0.01})).room == ()
+    assert simulated(cell({"mean_s": None, "every_s": 1})).room == ()
 
 
 @pytest.mark.parametrize(("bottom_mm", "wider"), [(-130, True), (-120, True), (-110, False)])
@@ -371,7 +371,7 @@ def test_a_tool_that_goes_down_beside_its_part_needs_more_room(bottom_mm: float,
     robot = copy.deepcopy(_shipped()["robot"])
     plate = {"shape": {"cylinder": {"radius_mm": 50, "height_mm": 5}}, "at_mm": [0, 0, bottom_mm + 2.5]}
     robot["tool"]["bodies"].append({"name": "plate", **plate})
-    found = simulated(cell({"gap_mm": 10}, robot=robot)).notes
+    found = simulated(cell({"gap_mm": 10}, robot=robot)).room
     assert found == tuple(note for note in found if "13.9 mm by which the tool is wider" in note)
     assert len(found) == wider
 
