@@ -21,6 +21,7 @@ from assur.planner.errors import InputError
 from assur.scenes.simulation.words import (
     LEGS,
     ONE_SEED,
+    PARTS,
     TRIALS,
     changes,
     legs,
@@ -64,6 +65,8 @@ def simulate(
     announce_compilation()
     with given.located():
         made = Simulation(given.document, minutes, seed, seeds, planning_ms)
+        for note in made.cell.heights:
+            say(f"note: {note}")
         interrupted, events, trials = False, Events(), Helps(made)
         try:
             with _shown(made) as watch, _recorded(made, log, events if page else None) as record:
@@ -133,7 +136,7 @@ def words(name: str, found: Document) -> Iterator[Any]:
     yield f"simulated {minutes:.4g} min{seeds}, {found['selection']}, elbow {found['elbow'] or 'as the arm has it'}"
     yield ""
     cycle_s = "none" if found["cycle_s"] is None else f"{found['cycle_s']:.3f} s"
-    lines = [(key, f"{found[key]}") for key in ("known", "picked", "placed", "missed")]
+    lines = [(key, f"{found[key]}") for key in PARTS]
     lines += [("mean cycle", f"{cycle_s} (without obstacles and waits {found['table_cycle_s']:.3f} s)")]
     lines += [("the arm takes parts", share_of_time(found["moving"])), *waits(found)]
     lines += [("worst error of a pick", pick_error(found))]

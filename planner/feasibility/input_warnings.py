@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from operator import itemgetter
 
 import numpy as np
 
@@ -180,24 +179,26 @@ def _off_part(scene: Scene, prover: Prover, step: Pick, attached: Attachments) -
 
 
 def _air_below(scene: Scene, at: AtStart, step: Place, attached: Attachments) -> list[InputWarning]:
-    """The highest body below a part that is released in the air, `attached` being so then; nothing: the part is put
-    down on something, or it is not known what is there when it is.
+    """The highest body below a part that is released in the air, `attached` being so then, of those onto which it would
+    sink, if there are any; nothing: the part is put down on something, or it is not known what is there when it is.
 
     Not evaluated: places that name what the part rests on, or on frames that move, or among bodies that move."""
     frames = {attached.pose_of(scene, body.name)[0] for body in scene.bodies}
     if step.contact_with is not None or not all(scene.frames[name].law.is_fixed for name in frames):
         return []
     part, body, there = at.shapes(step.part, attached), scene.index[step.part].body, at.place(step.part, attached)
-    below = list[tuple[float, str]]()
+    below = list[tuple[bool, float, str]]()
     for name in (name for name in scene.index if name != step.part):
         other, now = scene.index[name].body, at.place(name, attached)
         if not math.dist(now[:2], there[:2]) <= body.radius + other.radius:
             continue
         if touch(at.prover, part, at.shapes(name, attached), np.array([0.0, 0.0, -DROP_M])):
             return []
-        below.append((float(there[2] + body.heights[0] - now[2] - other.heights[1]), name))
-    under = sorted((each for each in below if each[0] > 0.0), key=itemgetter(0))[:1]
-    return [InputWarning(WarningKind.RELEASED_IN_AIR, (step.part, name), gap) for gap, name in under]
+        gap = float(there[2] + body.heights[0] - now[2] - other.heights[1])
+        if gap > 0.0:
+            sunk = np.array([0.0, 0.0, -gap - DROP_M])
+            below.append((not touch(at.prover, part, at.shapes(name, attached), sunk), gap, name))
+    return [InputWarning(WarningKind.RELEASED_IN_AIR, (step.part, name), gap) for _, gap, name in sorted(below)[:1]]
 
 
 def _overlaps(scene: Scene, at: AtStart) -> list[InputWarning]:

@@ -124,9 +124,9 @@ def _of_fields(model: type[BaseModel]) -> TypeAdapter[Any]:
 
 
 def _location(model: Any, document: object, parts: Path) -> Path | None:
-    """The keys on the path to a fault, from pydantic's location: without the form of a fact and the mark of a mapping's
-    key, which may have the name of a document's own key. None for a fault of the form of a fact that was not given:
-    pydantic tries both forms, and refuses both."""
+    """The keys on the path to a fault, from pydantic's location: without the form of a field and the mark of a
+    mapping's key, which may have the name of a document's own key. None for a fault of the form of a field that was not
+    given: pydantic tries both forms, and refuses both."""
     found: Path = ()
     seen: Path | None = None
     for part in parts:
@@ -134,7 +134,7 @@ def _location(model: Any, document: object, parts: Path) -> Path | None:
             if isinstance(as_written(document, found)[1], dict) != (part == STATED):
                 return None
             seen = found
-        elif not (part == "[key]" and get_origin(options_of(_annotation(model, found[:-1]))[0]) is dict):
+        elif not (part == "[key]" and _has_names(_annotation(model, found[:-1]))):
             found += (part,)
     return found
 
@@ -180,7 +180,8 @@ def _allowed(model: Any, kind: str, context: dict[str, Any], location: Path, pat
         return f"text that matches {context['pattern']}"
     if kind in ("model_type", "model_attributes_type"):
         return _fields_of(model, location, value)
-    return TYPES.get(kind, kind.replace("_", " "))
+    words = TYPES.get(kind, kind.replace("_", " "))
+    return f"{words}, or a mapping" if kind == "string_type" and _has_names(_annotation(model, location)) else words
 
 
 def _fields_of(model: Any, location: Path, value: object) -> str:
@@ -243,6 +244,11 @@ def _takes(annotation: Any, value: object) -> bool:
     lists = any(get_origin(option) is list for option in options_of(annotation))
     mappings = any(get_origin(option) is dict or _is_model(option) for option in options_of(annotation))
     return lists if isinstance(value, list) else mappings if isinstance(value, dict) else not (lists or mappings)
+
+
+def _has_names(annotation: Any) -> bool:
+    """Whether a field of this type can be a mapping whose keys are names that the document chooses."""
+    return any(get_origin(option) is dict for option in options_of(annotation))
 
 
 def _annotation(model: Any, location: Path) -> Any:

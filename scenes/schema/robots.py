@@ -42,7 +42,7 @@ from assur.scenes.schema.model import (
     Stretch,
 )
 from assur.scenes.schema.shapes import AttachedBody, LinkBody, LinkName
-from assur.scenes.schema.stated import FACT, Stated
+from assur.scenes.schema.stated import BOTH_FORMS, Stated
 
 Family = Literal["scara", "elbow_arm", "polar_arm", "five_axis_arm", "five_bar"]
 FAMILIES: tuple[Family, ...] = get_args(Family)
@@ -61,14 +61,14 @@ MOST_JERK = 1e9
 Jerk = Annotated[float, Field(ge=bounds.LEAST, le=MOST_JERK)]
 LinkBodies = Annotated[list[LinkBody], Field(max_length=bounds.MAX_TOOL_BODIES)]
 
-LengthFact = Annotated[Size | Stated[Size], FACT]
-HeightFact = Annotated[Coordinate | Stated[Coordinate], FACT]
-AngleFact = Annotated[Heading | Stated[Heading], FACT]
-OffsetFact = Annotated[Stretch | Stated[Stretch], FACT]
-RangeFact = Annotated[Pair | Stated[Pair], FACT]
-LimitFact = Annotated[Positive | Stated[Positive], FACT]
-LoadFact = Annotated[Load | Stated[Load], FACT]
-JerkFact = Annotated[Jerk | Stated[Jerk], FACT]
+LengthFact = Annotated[Size | Stated[Size], BOTH_FORMS]
+HeightFact = Annotated[Coordinate | Stated[Coordinate], BOTH_FORMS]
+AngleFact = Annotated[Heading | Stated[Heading], BOTH_FORMS]
+OffsetFact = Annotated[Stretch | Stated[Stretch], BOTH_FORMS]
+RangeFact = Annotated[Pair | Stated[Pair], BOTH_FORMS]
+LimitFact = Annotated[Positive | Stated[Positive], BOTH_FORMS]
+LoadFact = Annotated[Load | Stated[Load], BOTH_FORMS]
+JerkFact = Annotated[Jerk | Stated[Jerk], BOTH_FORMS]
 
 
 class ToolDocument(Document):
@@ -155,10 +155,10 @@ class AnyArm(Document):
     about: Text | None = None
     rated_load_kg: LoadFact | None = None
     max_load_kg: LoadFact | None = None
-    max_inertia_kgm2: Annotated[Inertia | Stated[Inertia], FACT] | None = None
-    acceleration_by_load: Annotated[LoadShares | Stated[LoadShares], FACT] | None = None
+    max_inertia_kgm2: Annotated[Inertia | Stated[Inertia], BOTH_FORMS] | None = None
+    acceleration_by_load: Annotated[LoadShares | Stated[LoadShares], BOTH_FORMS] | None = None
     base_offset_m: OffsetFact | None = None
-    bodies: Annotated[LinkBodies | Stated[LinkBodies], FACT]
+    bodies: Annotated[LinkBodies | Stated[LinkBodies], BOTH_FORMS]
     self_pairs: Annotated[
         list[Annotated[list[LinkName], Field(min_length=2, max_length=2)]], Field(max_length=bounds.MAX_TOOL_BODIES)
     ]
@@ -194,9 +194,9 @@ class PolarArmDocument(AnyArm):
 class FiveBarDocument(AnyArm):
     """A five-bar: two cranks, and if they are given a lift and a wrist."""
 
-    separation_m: Annotated[Separation | Stated[Separation], FACT]
-    proximal_m: Annotated[BothSides | Stated[BothSides], FACT]
-    distal_m: Annotated[BothSides | Stated[BothSides], FACT]
+    separation_m: Annotated[Separation | Stated[Separation], BOTH_FORMS]
+    proximal_m: Annotated[BothSides | Stated[BothSides], BOTH_FORMS]
+    distal_m: Annotated[BothSides | Stated[BothSides], BOTH_FORMS]
     assembly: Literal["front", "back"] = "front"
     parallel_margin: Annotated[float, Field(ge=bounds.LEAST, lt=1.0)] = 0.1
     height_m: HeightFact = 0.0

@@ -31,7 +31,7 @@ estimated      plausible, measured by nobody
 SURE: frozenset[str] = frozenset({"vendor", "defined"})
 """Statuses that need no mention among a plan's assumptions."""
 PLAIN, STATED = "[plain]", "[stated]"
-"""The two forms of a fact, as the reader's errors name them; they are no part of a field's path."""
+"""The two forms of a field, as the reader's errors name them; they are no part of its path."""
 
 
 class Stated(Document, Generic[T]):
@@ -43,7 +43,8 @@ class Stated(Document, Generic[T]):
 
 
 class _BothForms:
-    """Reads a union of a type and the stated form of it; which of them is given is seen from its being a mapping.
+    """Reads a union of a type and a mapping, as the stated form of a fact is one; which of them is given is seen from
+    its being a mapping.
 
     The JSON Schema of the field itself shows both, so that its twin in mm or deg has both, too.
     """
@@ -59,12 +60,12 @@ class _BothForms:
     def __get_pydantic_json_schema__(self, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         plain, stated = handler(core_schema)["anyOf"]
         stated = dict(handler.resolve_ref_schema(stated))
-        del stated["title"]
+        stated.pop("title", None)
         return {"oneOf": [plain, stated]}
 
 
-FACT = _BothForms()
-"""Marks a field that takes both forms: ``Annotated[Size | Stated[Size], FACT]``."""
+BOTH_FORMS = _BothForms()
+"""Marks a field that takes both forms: ``Annotated[Size | Stated[Size], BOTH_FORMS]``."""
 
 
 def value_of(fact: T | Stated[T]) -> T:

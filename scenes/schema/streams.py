@@ -12,6 +12,7 @@ from assur.scenes.schema.model import (
     WHOLE,
     Angle,
     Coordinate,
+    Distance,
     Document,
     Duration,
     Group,
@@ -21,9 +22,11 @@ from assur.scenes.schema.model import (
     Span,
     Stretch,
 )
+from assur.scenes.schema.stated import BOTH_FORMS
 
 Share = Annotated[float, Field(ge=bounds.LEAST, le=bounds.STRONG)]
 Angles = Annotated[list[Angle], Field(min_length=2, max_length=2)]
+SlotsOfKinds = Annotated[dict[Name, Name], Field(min_length=1, max_length=bounds.MAX_BODIES)]
 MAX_LANES, MAX_BATCH = 16, 100
 
 
@@ -58,7 +61,7 @@ class StreamDocument(Document):
     at_most_one: ClassVar[tuple[Group, ...]] = (
         ("lane_m", "lanes_m"),
         ("mean_s", "jitter_s"),
-        *[("csv", key) for key in ("jitter_s", "batch", "lane_m", "lanes_m", "yaw_rad")],
+        *[("csv", key) for key in ("jitter_s", "batch", "gap_m", "lane_m", "lanes_m", "yaw_rad")],
     )
 
     frame: Reference
@@ -70,9 +73,10 @@ class StreamDocument(Document):
     mean_s: Span | None = None
     batch: BatchDocument | None = None
     csv: ArrivalsDocument | None = None
+    gap_m: Distance | None = None
     lane_m: Stretch | None = None
     lanes_m: Annotated[list[Coordinate], Field(min_length=1, max_length=MAX_LANES)] | None = None
     yaw_rad: Angles | None = None
     seen: SeenDocument
-    to: Name | Annotated[dict[Name, Name], Field(min_length=1, max_length=bounds.MAX_BODIES)] | None = None
+    to: Annotated[Name | SlotsOfKinds, BOTH_FORMS] | None = None
     window_m: Stretch

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -13,10 +14,12 @@ import numpy as np
 from assur.planner.errors import InputError
 from assur.planner.frames.motion import Pose
 from assur.planner.laws import kinds as laws
-from assur.scenes.faults import NOTHING, Gathered, Refused, choices, located, written_key
+from assur.scenes.faults import NOTHING, Gathered, Refused, choices, fault, located, written_key
 from assur.scenes.schema.read import read_fields
 from assur.scenes.schema.request import OptionsDocument, RequestDocument
 from assur.scenes.simulation.choice import Chooser, chooser_of
+from assur.scenes.simulation.heights import check_heights
+from assur.scenes.simulation.room import room_notes
 from assur.scenes.simulation.unseen import Unseen, unseen_name, unseen_of
 from assur.scenes.streams.stream import Stream, streams_of
 from assur.scenes.tasks.kept_cell import KeptCellFile
@@ -48,7 +51,8 @@ class SimulatedCell:
 
     `document`: the cell with its streams, and with the options of a run. `leaves_m`: x, in the frame of each stream,
     from which on nothing of the arm can reach its parts. `apart_m`: the clearance near control points. `stay_s`: how
-    long standing is proved. `start`: that of a run, in the refuge.
+    long standing is proved. `start`: that of a run, in the refuge. `heights`, `room`: notes about heights of parts, and
+    room between them.
     """
 
     document: Document
@@ -61,6 +65,8 @@ class SimulatedCell:
     stay_s: float
     refuge: str
     start: Document
+    heights: tuple[str, ...]
+    room: tuple[str, ...]
 
     def kept_from(self, at_s: float) -> KeptCellFile:
         """The same cell with the frames of its streams stated for a time, s. A part that is seen then has small
@@ -116,7 +122,10 @@ def simulated(document: Document) -> SimulatedCell:
             most = reach_m + stream.radius_m + off.position_m + AROUND_M
             unseen.append(unseen_of(stream, along - most, off.speed_m_s))
             leaves.append(along + most)
-    start |= {} if chooser.elbow is None else {"elbow": chooser.elbow}
+        start |= {} if chooser.elbow is None else {"elbow": chooser.elbow}
+        with stands_in(valid.refuge, whole.file.written):
+            heights = check_heights(kept, whole.file.written, streams, around.frames, start)
+        room = tuple(room_notes(valid, streams, around.given.tool, stated.clearance_m.near))
     return SimulatedCell(
         {**whole.file.written, "options": options},
         kept,
@@ -128,7 +137,21 @@ def simulated(document: Document) -> SimulatedCell:
         stated.stay_safe_s,
         valid.refuge,
         start,
+        heights,
+        room,
     )
+
+
+@contextmanager
+def stands_in(refuge: str, written: Document) -> Iterator[None]:
+    """A fault of the start of a run inside is one of the refuge of the cell that is written so."""
+    try:
+        yield
+    except InputError as error:
+        if not error.field.startswith("start"):
+            raise
+        key = ("at_m",) if error.field.startswith("start.tool.at_") else ()
+        raise fault(written, ("positions", refuge, *key), error.allowed) from error
 
 
 def _check_name(name: str, streams: Sequence[Stream], where: tuple[str | int, ...]) -> None:

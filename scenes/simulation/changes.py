@@ -21,6 +21,8 @@ from assur.scenes.units import twin_of
 Document = dict[str, Any]
 SPEEDS = {"slower": 0.75, "faster": 1.25}
 """Of a conveyor: by what its speed is multiplied."""
+MORE_OFTEN = 0.75
+"""By what the time between two carriers is multiplied."""
 FURTHER_M = (0.2, 0.4)
 """By how much a line at which parts are seen is moved upstream, m."""
 DIGITS = 6
@@ -53,6 +55,10 @@ def changes_of(cell: SimulatedCell, document: Document) -> Iterator[Change]:
         yield from _of_stream(stream, document["streams"][stream.name])
     if stops := dict(_stops(cell, document)):
         yield _change("no dwell", stops)
+    for name in chooser.grids[:-1]:
+        own = document["slots"][name]
+        if own.get(written_key(own, "exchange_s") or "", 0.0) > 0.0:
+            yield _change(f"a full {name} is replaced at once", dict([_path(f"slots.{name}", own, "exchange_s", 0.0)]))
     for rule in RULES:
         if rule != chooser.rule:
             yield Change(f"selection: {rule}", {"selection": rule}, "selection")
@@ -73,9 +79,13 @@ def _of_stream(stream: Stream, written: Document) -> Iterator[Change]:
         if stream.at_m[0] > seen_m:  # parts come before they are seen
             values |= dict([_path(above, written, "at_m", [seen_m, *stream.at_m[1:]])])
         yield _change(f"{stream.name} is seen {1e3 * further_m:.0f} mm further upstream", values)
+    time_s, key = (stream.mean_s, "mean_s") if stream.every_s is None else (stream.every_s, "every_s")
+    if stream.brings_carriers and time_s is not None:
+        values = dict([_path(above, written, key, MORE_OFTEN * time_s)])
+        yield _change(f"{stream.name} comes more often, 4 in place of 3", values)
     if stream.mean_s is not None:  # one of both keys is there: all of the stream is set
-        key = str(written_key(written, "mean_s"))
-        even = {name.replace("mean", "every") if name == key else name: each for name, each in written.items()}
+        mean = str(written_key(written, "mean_s"))
+        even = {name.replace("mean", "every") if name == mean else name: each for name, each in written.items()}
         yield _change(f"{stream.name} comes at even times", {above: even})
     elif stream.jitter_s > 0.0:
         yield _change(f"{stream.name} comes at even times", dict([_path(above, written, "jitter_s", 0.0)]))

@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from assur.planner.errors import FaultError, InputError
 from assur.planner.model.outcome import TRACKING
-from assur.scenes.faults import fault
 from assur.scenes.session.recorded import RecordedCell
 from assur.scenes.session.session import RunningCell
-from assur.scenes.simulation.cell import SimulatedCell
+from assur.scenes.simulation.cell import SimulatedCell, stands_in
 from assur.scenes.simulation.filling import PATIENCE_S, Filling, FreeSlot
 from assur.scenes.simulation.tally import Cycle, Tally
 from assur.scenes.streams.arrivals import ArrivingPart, arrivals
@@ -360,10 +359,5 @@ def _running(
 
 def _begun(cell: SimulatedCell, planning_ms: float, record: Record | None) -> RunningCell:
     """The session at the begin of a run. Raises `InputError` for a refuge in which the arm cannot stand."""
-    try:
+    with stands_in(cell.refuge, cell.kept.file.written):
         return _running(record, cell.kept, cell.start, cell.refuge, planning_ms)
-    except InputError as error:
-        if not error.field.startswith("start"):
-            raise
-        key = ("at_m",) if error.field.startswith("start.tool.at_") else ()
-        raise fault(cell.kept.file.written, ("positions", cell.refuge, *key), error.allowed) from error

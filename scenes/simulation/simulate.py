@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from assur.scenes.session.executed import worst
 from assur.scenes.session.session import number
 from assur.scenes.simulation.leg_times import of_runs
-from assur.scenes.simulation.words import bottleneck
+from assur.scenes.simulation.words import PARTS, bottleneck
 
 if TYPE_CHECKING:
     from assur.scenes.session.recorded import Record
@@ -116,7 +116,7 @@ class Simulation:
             "complete": self.complete,
             "parts_per_minute": sum(rates) / len(rates) if rates else 0.0,
             "interval": None if low_high is None else [max(0.0, low_high[0]), low_high[1]],
-            **{key: sum(run[key] for run in self.runs) for key in ("known", "picked", "placed", "missed")},
+            **{key: sum(run[key] for run in self.runs) for key in PARTS},
             "cycle_s": sum(placed * cycle for placed, cycle in cycles) / many if many else None,
             "table_cycle_s": float(self.cell.chooser.nominal_s),
             "moving": sum(run["moving"] * run["simulated_s"] for run in self.runs) / total_s if total_s else 0.0,
@@ -132,6 +132,7 @@ class Simulation:
         return found | {"bottleneck": bottleneck(found)}
 
     def _notes(self, cycle_s: float) -> Iterator[str]:
+        yield from (*self.cell.heights, *self.cell.room)
         for stream in self.cell.chooser.streams.values():
             needed_m = stream.speed_m_s * (cycle_s + stream.latency_s) + 2.0 * stream.radius_m
             there_m = stream.window_m[0] - stream.seen_m

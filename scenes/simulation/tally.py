@@ -129,13 +129,15 @@ class Tally:
         idle = self._idle(now_s)
         waiting = {reason: idle[reason] + executed.waits[reason] for reason in WAITS}
         ended = [cycle.ends_s - cycle.starts_s for cycle in self.cycles if cycle.ends_s <= now_s]
-        missed = sum(left_s <= now_s and name not in picked for name, left_s in self.missed_s)
+        taken = {cycle.part for cycle in self.cycles}  # and one whose pick is committed is not missed
+        missed = sum(left_s <= now_s and name not in taken for name, left_s in self.missed_s)
         return {
             "simulated_s": now_s,
             "known": self.known,
             "picked": len(picked),
             "placed": len(placed),
             "missed": missed,
+            "remaining": self.known - len(picked) - missed,
             "parts_per_minute": len(placed) / minutes if minutes > 0.0 else 0.0,
             "cycle_s": sum(ended) / len(ended) if ended else None,
             "moving": 1.0 - sum(waiting.values()) / now_s if now_s > 0.0 else 0.0,

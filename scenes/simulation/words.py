@@ -9,6 +9,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 Document = dict[str, Any]
+PARTS = ("known", "picked", "placed", "missed", "remaining")
+"""Counts of parts: those that are known were picked, were missed, or remain."""
 WAITS_FOR = {
     "part": "a part",
     "slot": "a free slot",

@@ -49,7 +49,7 @@ class Stream:
     `at_m` (3,): where a part comes. `lanes_m`: offsets along y; `spread_m`: a part is off its lane along y by between
     these. `yaw_rad`: between which its yaw is. `seen_m`: x of the line at which it is seen, and `latency_s` later it is
     known. `window_m`: x at which it may be picked. `every_s`, `jitter_s`, or `mean_s`: between batches of `count` parts
-    that are `apart_s` apart; or the `rows` of a table.
+    that are `apart_s` apart, and `gap_m` between two parts of one lane at least; or the `rows` of a table.
     """
 
     name: str
@@ -68,6 +68,7 @@ class Stream:
     mean_s: float | None
     count: int
     apart_s: float
+    gap_m: float
     rows: tuple[Row, ...] | None
 
     @property
@@ -82,8 +83,18 @@ class Stream:
 
     @property
     def gap_s(self) -> float:
-        """Between two parts of one lane at least: they do not overlap then, whatever their kinds and their yaw."""
-        return 2.0 * self.radius_m / self.speed_m_s
+        """Between two parts of one lane at least: they have their gap then, whatever their kinds and their yaw."""
+        return (2.0 * self.radius_m + self.gap_m) / self.speed_m_s
+
+    @property
+    def least_gap_m(self) -> float | None:
+        """How near to each other two parts of one lane may come, whatever their yaw, m; None: a table states it."""
+        if self.rows is not None:
+            return None
+        times = [self.apart_s] if self.count > 1 else []
+        batch_s = (self.count - 1) * self.apart_s
+        times.append(0.0 if self.every_s is None else self.every_s - 2.0 * self.jitter_s - batch_s)
+        return max(self.gap_m, self.speed_m_s * min(times) - 2.0 * self.radius_m)
 
     @property
     def offsets_m(self) -> Range:
@@ -147,6 +158,7 @@ def _stream(name: str, item: StreamDocument, cell: CellDocument, frames: Frames,
         mean_s=item.mean_s,
         count=1 if item.batch is None else item.batch.count,
         apart_s=0.0 if item.batch is None else item.batch.apart_s,
+        gap_m=item.gap_m or 0.0,
         rows=rows,
     )
     _check_places(made)
@@ -228,8 +240,9 @@ def _check_times(made: Stream) -> None:
     lanes = made.separate_lanes
     least_s = made.gap_s * made.count / lanes
     if time_s < least_s:
+        gap = f", or have less than the gap of {_mm(made.gap_m)} between them" if made.gap_m > 0.0 else ""
         raise Refused(
-            f"{least_s:.4g} s or more: nearer to each other the parts could overlap, whatever their yaw is", key
+            f"{least_s:.4g} s or more: nearer to each other the parts could overlap, whatever their yaw is{gap}", key
         )
     if made.jitter_s > 0.5 * time_s:
         raise Refused(f"at most {0.5 * time_s:g} s, half of every_s: else parts overtake each other", "jitter_s")

@@ -45,6 +45,12 @@ def test_the_result_is_printed_and_written_and_the_same_as_that_of_python(tmp_pa
     assert (code, json.loads(output)) == (RIGHT, written)
 
 
+def test_a_part_in_the_air_is_noted_before_the_run_and_in_the_result() -> None:
+    code, output, errors = run("simulate", "soap-flow", *BRIEF, "--set", "slots.box.at_mm=[255, -235, 68]")
+    note = "note: slots.box.at_mm: soap is 3 mm from box-bottom, and rests on nothing\n"
+    assert (code, errors, note in output) == (RIGHT, f"assur: {note}", True)
+
+
 def test_values_are_set_and_their_faults_are_named_where_they_were_set() -> None:
     code, output, _ = run("simulate", "soap-flow", *BRIEF, "--set", 'selection="fifo"', "--json")
     assert (code, json.loads(output)["selection"]) == (RIGHT, "fifo")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,12 @@ from assur.scenes.session.session import RunningCell
 from assur.scenes.simulation import cell as simulated_cells
 from assur.scenes.simulation import run
 from assur.scenes.simulation.unseen import Unseen, unseen_of
+from assur.scenes.streams.stream import Stream
 from benchmarks.figures import Document
 from benchmarks.flows import FLOWS
 from benchmarks.judge.sessions import broken_sessions
 from benchmarks.judged_sessions import SHOWN, figures, judged
+from tests.scenes.simulation.test_simulation import cell
 
 MINUTES = 0.15
 
@@ -58,6 +61,48 @@ def test_a_stretch_that_is_not_seen_and_is_put_too_far_away_is_found(monkeypatch
     monkeypatch.setattr(simulated_cells, "unseen_of", too_far)
     records = [judged(name, MINUTES, 1) for name in FLOWS]
     assert sum(record["faults"].get("hit", 0) for record in records) > 0
+
+
+def _as_near_as_proved(log: Path) -> list[tuple[str, str]]:
+    """What the judge finds where the tool goes down to a belt of uncertain speed, as near to what is not seen as is
+    proved."""
+    document = cell({"seen": {"at_mm": -600, "latency_ms": 4000}, "lane_mm": None, "yaw_deg": None})
+    document["frames"]["belt"] = {
+        "conveyor": {"at_mm": [0, 350, 50], "speed_mm_s": 100},
+        "uncertainty": {"speed_mm_s": 10},
+    }
+    document["options"]["stay_safe_s"] = 2
+    made = simulated_cells.simulated(document)
+    (unseen,), proved = made.unseen, list[assur.Proposal]()
+    with assur.Session(assur.Cell(made.document), start=made.start, refuge="home", log=log) as session:
+        for x_mm in range(-20, -140, -20):
+            session.see(unseen.name, **unseen.fields(session.clock_s))
+            proposal = session.propose([{"move": {"to": {"at_mm": [x_mm, 350, 70], "yaw_deg": 0}}}])
+            if not proposal.planned:
+                assert "unseen.soap" in str(proposal.answer.sentence)
+                break
+            proved.append(proposal)
+        session.commit(proved[-1])
+        session.advance(proved[-1].starts_s + 1.0)
+    assert 2 <= len(proved) < 6
+    read, events = read_log(log)
+    return [(each.kind, each.about) for each in broken_sessions(read, list(events), runs=2)]
+
+
+def _at_nominal_speed(stream: Stream, reached_m: float, _: float) -> Unseen:
+    return unseen_of(stream, reached_m, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("stretch", "found"),
+    [(unseen_of, set()), (_at_nominal_speed, {("hit", "cup, unseen soap on soap")})],
+)
+def test_a_stretch_that_is_too_short_for_a_belt_of_uncertain_speed_is_found(
+    stretch: Callable[..., Unseen], found: set[tuple[str, str]], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A part may be 40 mm further on before it is reported: 10 mm/s for 4 s."""
+    monkeypatch.setattr(simulated_cells, "unseen_of", stretch)
+    assert {*_as_near_as_proved(tmp_path / "run.mcap")} == found
 
 
 def test_parts_in_slots_are_where_these_are_when_places_are_counted_anew(

@@ -184,6 +184,8 @@ TOLD: dict[str, Case] = {
     **{f"a part released {1e3 * by:g} mm above a table": Case(
         placed(by), IN_AIR, PART_ON_RIGHT, by, f"part is released {1e3 * by:.3g} mm above right-table")
        for by in (DROP_M + 0.0005, 0.01, 0.1)},
+    "a part released beside a long beam that is higher than the table": Case(
+        more(placed(0.02), stands("beam", box(2.0, 0.05, 0.05), 0.35, -0.45, 0.025)), IN_AIR, PART_ON_RIGHT, 0.02),
     "a part released above another one": Case(stacked(0.01), IN_AIR, ("second", "part"), 0.01),
     **{f"a tool that grips {1e3 * beside:g} mm beside its part, {1e3 * up:g} mm above": Case(
         gripped(beside, up), OFF_PART, ("cup", "part"), None, "no body of the tool touches part where it is picked")

@@ -19,11 +19,13 @@ import assur
 from assur.planner.model.outcome import LegKind
 from assur.scenes.scenarios import CELLS
 from assur.scenes.session.log import read_log
+from assur.scenes.set_values import with_values
 from assur.scenes.simulation.cell import simulated
 from assur.scenes.simulation.changes import changes_of
 from assur.scenes.simulation.filling import Filling
 from assur.scenes.simulation.run import Run
 from assur.scenes.simulation.simulate import Simulation
+from assur.scenes.simulation.table_run import table_rate
 from assur.scenes.simulation.tally import Tally
 from assur.scenes.streams.arrivals import arrivals
 from benchmarks.judge.sessions import broken_sessions
@@ -33,6 +35,7 @@ from tests.scenes.simulation.test_simulation import cell as at_rest
 
 Document = dict[str, Any]
 SECONDS = 30.0
+TRAYS: Document = {"text": "time_s,x_mm,y_mm\n0,-510,0\n8,-510,0\n"}
 
 
 @cache
@@ -90,6 +93,8 @@ def test_each_part_is_put_down_once_or_missed_or_still_coming() -> None:
     assert known == {*names} | left | coming
     assert not {*names} & (left | coming)
     assert (figures["known"], figures["missed"]) == (len(known), len(left))
+    on_the_way = {cycle.part for cycle in done.tally.cycles if cycle.picked_s > SECONDS}
+    assert figures["remaining"] == len(coming | on_the_way) > 0
     assert left
 
 
@@ -276,6 +281,39 @@ def test_changes_of_a_cell_with_trays_move_no_slots_and_the_trays_are_no_parts()
     assert {"out-belt is slower, with as many parts a minute", "tray is seen 200 mm further upstream"} <= changes
     assert not any("other side" in what for what in changes)
     assert not any(note.startswith("tray") for note in found.document["notes"])
+
+
+@pytest.mark.parametrize(
+    "document",
+    [cell(streams__tray__every_s=15), at_rest(slots={"box": {**at_rest()["slots"]["box"], "exchange_s": 4}})],
+)
+def test_a_run_without_plans_waits_for_slots_too(document: Document) -> None:
+    simulation = Simulation(document, 0.75, SEED, 1, 20.0)
+    simulation.run()
+    (run,) = simulation.runs
+    assert run["waiting_s"]["slot"] > 5.0
+    rate = table_rate(simulation.cell, SEED, 45.0, 20.0)
+    assert abs(rate - run["parts_per_minute"]) * 0.75 <= 2.0
+    free = Simulation(cell() if "tray" in document["streams"] else at_rest(), 0.75, SEED, 1, 20.0).cell
+    assert table_rate(free, SEED, 45.0, 20.0) >= rate + 4.0
+
+
+def test_more_carriers_and_no_exchange_are_tried_where_the_arm_waits_for_slots() -> None:
+    seldom = cell(streams__tray__every_s=12)
+    boxes = at_rest(slots={"box": {**at_rest()["slots"]["box"], "exchange_ms": 4000}})
+    for document, what, values in (
+        (seldom, "tray comes more often, 4 in place of 3", {"streams.tray.every_s": 9}),
+        (boxes, "a full box is replaced at once", {"slots.box.exchange_ms": 0}),
+    ):
+        base = Simulation(document, 0.75, SEED, 1, 20.0)
+        found = {change.what: change.values for change in changes_of(base.cell, document)}
+        assert found[what] == values
+        changed = base.with_cell(with_values(document, values))
+        before, after = (table_rate(each.cell, SEED, base.until_s, 20.0) for each in (base, changed))
+        assert after > 1.1 * before
+    for document in (at_rest(), cell(streams__tray__every_s=None, streams__tray__csv=TRAYS)):
+        changes = changes_of(simulated(document), document)
+        assert not {each.what for each in changes if "often" in each.what or "at once" in each.what}
 
 
 @pytest.mark.parametrize(

@@ -116,6 +116,35 @@ def test_no_two_parts_of_one_lane_overlap_and_lanes_that_are_apart_do_not_wait_f
     assert min(b - a for a, b in pairwise(every)) < 0.1 * gap_s
 
 
+@pytest.mark.parametrize("changes", [MEAN, {"every_s": 1.5, "batch": {"count": 2, "apart_s": 0.1}}])
+def test_parts_of_one_lane_keep_the_gap_that_is_stated(changes: Document) -> None:
+    made = found(cell({**changes, "gap_mm": 30}))[0]
+    times = sorted(part.time_s for part in arrivals(made, 1, MANY))
+    assert min(b - a for a, b in pairwise(times)) == pytest.approx((2 * math.hypot(30, 40) + 30) / 200)
+    assert made.least_gap_m == 0.03
+
+
+@pytest.mark.parametrize(
+    ("changes", "gap_m"),
+    [
+        ({}, 0.1),
+        ({"jitter_s": 0.1}, 0.06),
+        ({"jitter_s": 0.1, "gap_mm": 80}, 0.08),
+        ({"jitter_s": 0.4}, 0.0),
+        (MEAN, 0.0),
+        ({"every_s": 3, "batch": {"count": 2, "apart_s": 0.6}}, 0.02),
+        ({"every_s": 3, "batch": {"count": 2, "apart_s": 2.4}}, 0.02),
+    ],
+)
+def test_how_near_parts_of_one_lane_may_come_follows_from_their_times(changes: Document, gap_m: float) -> None:
+    """Bars are 100 mm from corner to corner."""
+    made = found(cell(changes))[0]
+    assert made.least_gap_m == pytest.approx(gap_m)
+    times = sorted(part.time_s for part in arrivals(made, 1, MANY))
+    assert min(b - a for a, b in pairwise(times)) >= (0.1 + gap_m) / 0.2 - 1e-9
+    assert found(cell(table(TABLE)))[0].least_gap_m is None
+
+
 def test_places_yaw_kinds_and_times_have_the_distribution_that_is_stated() -> None:
     parts = coming(RANDOM, until_s=3_000.0)
     y, yaw = np.array([part.y_m for part in parts]), np.array([part.yaw_rad for part in parts])
@@ -222,6 +251,12 @@ def test_a_part_of_a_table_that_comes_behind_the_line_is_never_seen() -> None:
         ({"to": {"disc": "box"}}, "to", "slots for bar"),
         ({"to": {"bar": "bix"}}, "to.bar", "did you mean box"),
         ({"to": {"bar": "box", "disc": "tray"}}, "to.disc", "kinds of this stream"),
+        ({"to": 3}, "to", "text, or a mapping"),
+        ({"to": ["box"]}, "to", "text, or a mapping"),
+        ({"to": {}}, "to", "at least 1 item"),
+        ({"to": "bo x"}, "to", "a name: a letter"),
+        ({"to": {"bar": 3}}, "to.bar", "text"),
+        ({"to": {"b ar": "box"}}, "to.b ar", "a name: a letter"),
         ({"every_s": 0.49}, "every_s", "0.5 s or more"),
         ({"every_s": math.nan}, "every_s", ""),
         ({"every_s": 0}, "every_s", ""),
@@ -233,6 +268,11 @@ def test_a_part_of_a_table_that_comes_behind_the_line_is_never_seen() -> None:
         ({"jitter_s": -1}, "jitter_s", ""),
         ({"batch": {"count": 3, "apart_s": 0.1}}, "every_s", "1.5 s or more"),
         ({"every_s": 3, "batch": {"count": 3, "apart_s": 1.6}}, "batch", "over before the next"),
+        ({**MEAN, "mean_s": 0.9, "gap_mm": 100}, "mean_s", "1 s or more"),
+        ({"every_s": 0.9, "gap_mm": 100}, "every_s", "or have less than the gap of 100 mm between them"),
+        ({"gap_mm": -1}, "gap_mm", "at least 0"),
+        ({"gap_mm": math.nan}, "gap_mm", ""),
+        ({"every_s": None, "csv": {"text": "time_s,x_mm,y_mm\n0,-900,0\n"}, "gap_mm": 5}, "gap_mm", "at most one"),
         ({"batch": {"count": 0, "apart_s": 1}}, "batch.count", ""),
         ({"lane_mm": [20, -20]}, "lane_mm", "the least first"),
         ({"lane_mm": [0, 1], "lanes_mm": [0]}, "lanes_mm", "at most one"),
@@ -250,6 +290,13 @@ def test_a_part_of_a_table_that_comes_behind_the_line_is_never_seen() -> None:
 def test_what_is_wrong_in_a_stream_is_named(changes: Document, field: str, allowed: str) -> None:
     with refused_at(f"streams.bars.{field}".rstrip("."), allowed):
         found(cell(changes))
+
+
+@pytest.mark.parametrize("to", [3, True, ["box"], {}, {"bar": 3}, {"b ar": "box"}, "bo x"])
+def test_slots_that_are_no_name_and_no_mapping_are_one_fault(to: object) -> None:
+    with pytest.raises(assur.InputError) as caught:
+        found(cell({"to": to}))
+    assert len(caught.value.errors) == 1
 
 
 def test_all_streams_are_read_and_all_faults_are_named() -> None:
