@@ -9,9 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from assur.planner.collision.proof import Prover
-from assur.planner.feasibility.hits import AtStart
-from assur.planner.feasibility.input_warnings import unusual_bodies, unusual_places, unusual_supports
 from assur.planner.model.input_warning import WarningKind
 from assur.planner.report.number_format import amount
 from assur.scenes.faults import Refused, as_written, dotted
@@ -84,6 +81,10 @@ def _in_window(stream: Stream) -> Document:
 
 def _notes(cell: KeptCellFile, lying: _Lying, start: Document) -> Iterator[str]:
     """The warnings of a plan that picks a part where it lies, and puts it down there again."""
+    from assur.planner.collision.proof import Prover
+    from assur.planner.feasibility.hits import AtStart
+    from assur.planner.feasibility.input_warnings import unusual_bodies, unusual_places, unusual_supports
+
     name = lying.part["name"]
     place = {"part": name, "to": lying.part["pose"]}
     place |= {} if lying.rests_on is None else {"contact_with": lying.rests_on}
