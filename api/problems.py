@@ -29,7 +29,7 @@ STATUS = {
     "job-lost": (404, "There is no such job here"),
     "cell-unknown": (404, "There is no cell with this digest"),
     "mesh-unknown": (404, "There is no mesh with this digest"),
-    "no-mesh-folder": (404, "This service keeps no meshes"),
+    "no-mesh-folder": (404, "This service keeps no meshes and no cells"),
     "no-page": (404, "There is no page about this answer"),
     "no-simulations": (404, "This service makes no simulations"),
     "method-not-allowed": (405, "This address does not know that method"),

@@ -21,7 +21,7 @@ Path = tuple[str | int, ...]
 NUMBER = re.compile(r"\[(\d+)\]")
 GIVEN = "--set "
 """Mark of values that are set on the command line."""
-OF_NAMES = ("frames", "kinds", "positions", "slots")
+OF_NAMES = ("frames", "kinds", "positions", "slots", "streams")
 """Where the mappings are whose keys are names: a path through a name that is not there is misspelt."""
 
 

@@ -78,7 +78,7 @@ def simulate(
             if not made.runs:
                 raise
             interrupted = True
-    found = made.document | ({"helps": trials.document} if helps else {})
+    found = trials.document if helps else made.document
     if out is not None:
         out.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     if page is not None:

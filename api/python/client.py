@@ -151,7 +151,8 @@ class Client(_Endpoint):
         arguments mean. `set`: values of the cell by their paths.
 
         `cell`: the digest of a cell that was sent (`put_cell`), or the cell or its document. Waits for the end of the
-        job, however long that is; an interrupt cancels it.
+        job, however long that is; an interrupt cancels it. While the job waits for its turn, the service writes a
+        comment every 15 s: the `timeout` of the client has to be longer.
         """
         job = self._send(exchange.simulating(cell, question))
         try:
@@ -262,7 +263,8 @@ class AsyncClient(_Endpoint):
         arguments mean. `set`: values of the cell by their paths.
 
         `cell`: the digest of a cell that was sent (`put_cell`), or the cell or its document. Waits for the end of the
-        job, however long that is; an interrupt cancels it.
+        job, however long that is; an interrupt cancels it. While the job waits for its turn, the service writes a
+        comment every 15 s: the `timeout` of the client has to be longer.
         """
         job = await self._send(exchange.simulating(cell, question))
         try:

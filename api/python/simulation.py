@@ -50,4 +50,4 @@ def simulate(
         return made.document
     trials = Helps(made)
     trials.run()
-    return made.document | {"helps": trials.document}
+    return trials.document

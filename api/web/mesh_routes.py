@@ -69,7 +69,8 @@ def folder_of(request: Request) -> MeshFolder:
     """The folder for meshes and cells. Raises `Problem` where there is none."""
     folder = service_of(request).meshes
     if folder is None:
-        raise Problem("no-mesh-folder", "Send meshes as data in requests. An operator may set ASSUR_MESH_FOLDER.")
+        what = "Send meshes as data, and cells as documents in requests. An operator may set ASSUR_MESH_FOLDER."
+        raise Problem("no-mesh-folder", what)
     return folder
 
 

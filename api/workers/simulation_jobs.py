@@ -126,7 +126,7 @@ def _simulated(digest: str | None, question: Question, most_s: float, line: Line
     changed, watch, events = _changed(cell, question.values), _Watch(line.tell, most_s), EventsForPage()
 
     def result() -> Document:
-        return made.document | ({"helps": trials.document} if question.helps else {})
+        return trials.document if question.helps else made.document
 
     def answer(outcome: str) -> Answer:
         return Answer(to_json(result()), outcome, stages=laps.seconds)

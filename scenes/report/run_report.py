@@ -61,7 +61,7 @@ def run_report(
     view = run_view([ExecutedPlan(cell_of(each.request), each.answer, each.starts_s, each.until_s) for each in played])
     placed = [time for plan in plans for time in plan.handled("place")]
     cycles = [(plan.until_s - plan.starts_s) for plan in plans if plan.handled("place")]
-    figures = _figures(plans, placed, cycles, until_s - starts_s)
+    figures = _figures(plans, placed, cycles, until_s - starts_s, found)
     cards = [card("About this cell", f"<p>{html.escape(about)}</p>", wide=True)] if about else []
     if values:
         cards.append(card("Values that were set in the cell", lines(words.set_options(values), ""), wide=True))
@@ -85,14 +85,21 @@ def run_report(
     return page(title, head, '<div class="facts">' + "".join(cards) + "</div>", view)
 
 
-def _figures(plans: Sequence[LoggedPlan], placed: Sequence[float], cycles: Sequence[float], lasts_s: float) -> str:
+def _figures(
+    plans: Sequence[LoggedPlan],
+    placed: Sequence[float],
+    cycles: Sequence[float],
+    lasts_s: float,
+    found: Document | None,
+) -> str:
     picked = sum(len(plan.handled("pick")) for plan in plans)
     moving = sum(end - begin for begin, end, what in _spans(plans) if what != "run-wait")
     rows = [
         ("simulated", f"{lasts_s:.1f} s"),
         ("parts a minute", f"{60.0 * len(placed) / lasts_s:.2f}"),
         ("picked, put down", f"{picked}, {len(placed)}"),
-        ("cycle, mean and median", _both(cycles)),
+        *([] if found is None else [(key, str(found["runs"][0][key])) for key in ("known", "missed", "remaining")]),
+        ("from one plan with a place to the next, mean and median", _both(cycles)),
         ("the arm moves", f"{100.0 * moving / lasts_s:.0f} % of the time"),
         ("worst error of a pick", words.pick_error({"worst_pick_error": worst(each.pick_error() for each in plans)})),
         ("plans, each proved", str(len(plans))),

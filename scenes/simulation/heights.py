@@ -1,7 +1,7 @@
 """Heights of the parts of streams and of slots: what a plan would warn of, known before a run.
 
-Parts lie in the middle of the window of their stream, and in the first slot of a grid. The conveyors of streams are at
-rest, because a plan evaluates these warnings for what is at rest.
+Parts lie in the middle of the window of their stream, in its first lane, and in the first slot of a grid. The conveyors
+of streams are at rest, because a plan evaluates these warnings for what is at rest.
 """
 
 from __future__ import annotations
@@ -9,14 +9,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from assur.planner.errors import InputError
 from assur.planner.model.input_warning import WarningKind
 from assur.planner.report.number_format import amount
-from assur.scenes.faults import Refused, as_written, dotted
+from assur.scenes.faults import DocumentError, as_written, documented, dotted, raised_as
 from assur.scenes.requests import cell_of
 from assur.scenes.schema.cell_file import TASK
 from assur.scenes.schema.normal import normal
 from assur.scenes.tasks.grids import pose_of_slot
 from assur.scenes.tasks.kept_cell import KeptCellFile
+from assur.scenes.tasks.origins import OF_CELL, OF_TASK
 
 if TYPE_CHECKING:
     from assur.scenes.reading.frames import Frames
@@ -27,12 +29,12 @@ IN_AIR = (WarningKind.PART_FLOATS, WarningKind.RELEASED_IN_AIR, WarningKind.SUPP
 
 
 class _Lying(NamedTuple):
-    """A part of a kind at a pose, and what it rests on (None: not stated); the carrier on which it is, if any; and the
+    """A part of a kind where it lies; the step that puts it down there; the carrier on which it is, if any; and the
     field of the cell that states its height."""
 
     kind: str
     part: Document
-    rests_on: list[str] | None
+    place: Document
     carriers: list[Document]
     field: tuple[str, ...]
 
@@ -40,8 +42,8 @@ class _Lying(NamedTuple):
 def check_heights(
     kept: KeptCellFile, document: Document, streams: Sequence[Stream], frames: Frames, start: Document
 ) -> tuple[str, ...]:
-    """Notes about parts that lie in the air in the cell of a document; `start`: that of its runs. Raises `Refused`, at
-    the field of the height, for a part that is inside a body: no motion can pick it, or put it down there."""
+    """Notes about parts that lie in the air, or inside a body, in the cell of a document; `start`: that of its runs.
+    Raises `InputError` at a field of the cell with which no part can be put down."""
     written, found = kept.file.written, dict[str, None]()
     at_rest = dict(written["frames"])
     for stream in streams:
@@ -54,6 +56,11 @@ def check_heights(
     return tuple(found)
 
 
+def of_cell(error: InputError) -> DocumentError:
+    """A fault of the request of a task as one of its cell; one of the start stays at `start`."""
+    return documented(error).relocated(lambda field: field.removeprefix(f"{OF_CELL}.").removeprefix(f"{OF_TASK}."))
+
+
 def _lying(kept: KeptCellFile, streams: Sequence[Stream]) -> Iterator[_Lying]:
     """The parts of each kind where they come, and in the slots to which they go."""
     grids, kinds = kept.file.valid.slots, kept.file.written["kinds"]
@@ -61,21 +68,28 @@ def _lying(kept: KeptCellFile, streams: Sequence[Stream]) -> Iterator[_Lying]:
     for stream in streams:
         for kind in stream.kinds:
             part = {"name": f"{stream.name}-1", "shape": kinds[kind.name]["shape"]}
-            yield _Lying(kind.name, {**part, "pose": _in_window(stream)}, None, [], ("streams", stream.name, "at_m"))
+            pose = _in_window(stream)
+            yield _Lying(kind.name, {**part, "pose": pose}, {"to": pose}, [], ("streams", stream.name, "at_m"))
             if kind.to is None:
                 continue
             grid, of = normal(grids[kind.to].document()), carriers.get(grids[kind.to].kind or "")
-            pose, rests_on, on = pose_of_slot(grid, 1), grid.get("contact_with"), list[Document]()
+            pose, on = pose_of_slot(grid, 1), list[Document]()
+            place: Document = {"to": {"slot": {kind.to: 1}}}
             if of is not None:
                 carrier = f"{of.name}-1"
                 on = [{"name": carrier, "shape": kinds[grid["kind"]]["shape"], "pose": _in_window(of)}]
-                pose, rests_on = {**pose, "body": carrier}, [carrier]
-            yield _Lying(kind.name, {**part, "pose": pose}, rests_on, on, ("slots", kind.to, "at_m"))
+                pose = {**pose, "body": carrier}
+                place = {"to": pose, "contact_with": [carrier]}
+            yield _Lying(kind.name, {**part, "pose": pose}, place, on, ("slots", kind.to, "at_m"))
 
 
 def _in_window(stream: Stream) -> Document:
-    """The pose of a part in the middle of its window, of its lanes and of its yaw."""
-    x, y, yaw = (0.5 * sum(limits) for limits in (stream.window_m, stream.offsets_m, stream.yaw_rad))
+    """The pose of a part in the middle of its window: in the middle of the first lane and of its yaw, or as the first
+    one of a table."""
+    x, aside, yaw = (0.5 * sum(limits) for limits in (stream.window_m, stream.spread_m, stream.yaw_rad))
+    y = stream.at_m[1] + stream.lanes_m[0] + aside
+    if stream.rows is not None:
+        y, yaw = stream.rows[0].y_m, stream.rows[0].yaw_rad
     return {"frame": stream.frame, "at_m": [x, y, stream.at_m[2]], "yaw_rad": yaw}
 
 
@@ -86,10 +100,11 @@ def _notes(cell: KeptCellFile, lying: _Lying, start: Document) -> Iterator[str]:
     from assur.planner.feasibility.input_warnings import unusual_bodies, unusual_places, unusual_supports
 
     name = lying.part["name"]
-    place = {"part": name, "to": lying.part["pose"]}
-    place |= {} if lying.rests_on is None else {"contact_with": lying.rests_on}
-    steps, parts = [{"pick": {"part": name}}, {"place": place}], [*lying.carriers, lying.part]
-    scene = cell_of(cell.joined({"schema": TASK, "start": start, "parts": parts, "steps": steps}).request).scene
+    steps, parts = [{"pick": {"part": name}}, {"place": {"part": name, **lying.place}}], [*lying.carriers, lying.part]
+    with raised_as(of_cell):
+        made = cell.joined({"schema": TASK, "start": start, "parts": parts, "steps": steps})
+    with raised_as(lambda error: of_cell(made.relocated(error))):
+        scene = cell_of(made.request).scene
     prover = Prover(scene)
     at = AtStart(scene, prover)
     for each in (*unusual_bodies(scene, at), *unusual_places(scene, at), *unusual_supports(scene, prover, ())):
@@ -99,8 +114,7 @@ def _notes(cell: KeptCellFile, lying: _Lying, start: Document) -> Iterator[str]:
                 1e3 * float(at.place(body)[2] + scene.index[body].body.heights[end])
                 for body, end in ((name, 0), (other, 1))
             )
-            depth = f"Its lowest point is at z {low:.6g} mm, and the highest of {other} at {high:.6g} mm"
-            allowed = f"a place at which parts are inside no body: {lying.kind} is more than {by} inside {other}"
-            raise Refused(f"{allowed}. {depth}", *lying.field)
+            depth = f"its lowest point is at z {low:.6g} mm, and the highest of {other} at {high:.6g} mm"
+            yield f"{lying.kind} is more than {by} inside {other}, where no motion can take it or put it down: {depth}"
         if each.kind in IN_AIR:
             yield f"{lying.kind} is {by} from {other}, and rests on nothing"

@@ -40,6 +40,7 @@ class Helps:
 
     def __init__(self, base: Simulation) -> None:
         self._base, self._table_rate, self._trials = base, 0.0, list[_Trial]()
+        self._complete = False
 
     def run(self, watch: WatchTrials = nothing) -> None:
         """Tries each change that the cell can have with table times, and with proved motions the best `PROVED` of
@@ -59,6 +60,7 @@ class Helps:
         proved = [trial for trial in self._trials if trial.table_rate > self._table_rate][:PROVED]
         for k, trial in enumerate(proved):
             self._prove(trial, k, len(proved), watch)
+        self._complete = True
 
     @staticmethod
     def _prove(trial: _Trial, number: int, many: int, watch: WatchTrials) -> None:
@@ -73,10 +75,12 @@ class Helps:
             trial.fault = str(error)
 
     @property
-    def document(self) -> list[Document]:
-        """For each change what it gives, the best first: those with proved motions, and then the others."""
-        found = [self._row(trial) for trial in self._trials]
-        return sorted(found, key=lambda row: (row["percent"] is None, -(row["percent"] or 0.0)))
+    def document(self) -> Document:
+        """What the runs come to, and for each change what it gives, the best first: those with proved motions, and then
+        the others. It is `complete` if all trials are, too."""
+        found, rows = self._base.document, [self._row(trial) for trial in self._trials]
+        rows.sort(key=lambda row: (row["percent"] is None, -(row["percent"] or 0.0)))
+        return found | {"complete": found["complete"] and self._complete, "helps": rows}
 
     def _row(self, trial: _Trial) -> Document:
         own, changed = self._base.rates, trial.changed.rates if trial.changed.complete else []

@@ -300,14 +300,13 @@ class Run:
         return {**pose, "at_m": [x + speeds[pose["frame"]] * (since_s - stated_s), *rest], "at_s": since_s}
 
     def _stand(self, *, first: bool = False) -> None:
-        """Commits the way to the refuge alone. Raises `FaultError` where standing there is not proved, and `InputError`
-        for the `first` time of a run: then the cell is the reason."""
+        """Commits the way to the refuge alone. Raises `InputError` where standing there is not proved: the `first` time
+        of a run beside what is not seen yet, and later beside what has come, or is known less well."""
         made = self._proposed([])
-        if made.segment is None and first:
-            allowed = f"a position in which the arm can stand beside what is not seen yet: {made.judged.reason}"
-            raise InputError("refuge", self._cell.refuge, allowed)
         if made.segment is None:
-            raise FaultError(f"at {made.starts_s:.6g} s standing in the refuge is not proved: {made.judged.reason}")
+            beside = "what is not seen yet" if first else f"what is there at {made.starts_s:.6g} s"
+            allowed = f"a position in which the arm can stand beside {beside}: {made.judged.reason}"
+            raise InputError("refuge", self._cell.refuge, allowed)
         self._follow(made, made.segment)
 
     def _events(self, to_s: float) -> None:

@@ -22,6 +22,8 @@ SIMULATION = "assur-simulation/1"
 MOST_MINUTES, MOST_SEEDS, MOST_SEED = 24.0 * 60.0, 1_000, 2**32
 LEAST_MINUTES = 0.01
 CONFIDENCE = 0.95
+EMPTY = 0.05
+"""From this share of a run on, the time until its first part is put down is noted."""
 MOST_PLANNING_MS = 60_000.0
 Watch = Callable[[int, float], None]
 """Is given the number of a run, from 0, and the simulated time in it, s."""
@@ -133,6 +135,12 @@ class Simulation:
 
     def _notes(self, cycle_s: float) -> Iterator[str]:
         yield from (*self.cell.heights, *self.cell.room)
+        first_s = [run["first_placed_s"] for run in self.runs if run["first_placed_s"] is not None]
+        if first_s and (mean_s := sum(first_s) / len(first_s)) > EMPTY * self.until_s:
+            yield (
+                f"a run begins with an empty cell, and its first part is put down after {mean_s:.3g} s of "
+                f"{self.until_s:.4g} s: a longer run gives more parts a minute, and other shares of waits"
+            )
         for stream in self.cell.chooser.streams.values():
             needed_m = stream.speed_m_s * (cycle_s + stream.latency_s) + 2.0 * stream.radius_m
             there_m = stream.window_m[0] - stream.seen_m

@@ -133,6 +133,7 @@ class Tally:
         missed = sum(left_s <= now_s and name not in taken for name, left_s in self.missed_s)
         return {
             "simulated_s": now_s,
+            "first_placed_s": min([cycle.placed_s for cycle in placed], default=None),
             "known": self.known,
             "picked": len(picked),
             "placed": len(placed),

@@ -13,6 +13,7 @@ from assur.scenes.set_values import with_values
 
 DOCUMENT: dict[str, Any] = {
     "options": {"budget_ms": 500, "clearance_mm": {"travel": 8, "near": 1}},
+    "streams": {"goods": {}},
     "frames": {"belt.1": {"conveyor": {"at_mm": [0, 350, 50], "speed_mm_s": 250}}, "belt": {"fixed": {}}},
     "bodies": [{"name": "table", "mass_kg": 1.0}, {"name": "fence.left", "mass_kg": 2.0}],
     "task": [{"move": {"name": "home", "to": {"at_mm": [1, 2, 3]}}}],
@@ -90,6 +91,7 @@ def test_of_values_for_one_field_the_last_counts() -> None:
         ({"bodies.tabel.mass_kg": 1}, r"bodies\.tabel: got 'tabel'.*fence\.left, table; did you mean table\?"),
         ({"bodies.2": 1}, r"bodies\.2: got '2'; allowed: a number from 0 to 1, or the name of an entry"),
         ({"frames.belts.conveyor.speed_mm_s": 1}, r"frames\.belts: got 'belts'; .*did you mean belt"),
+        ({"streams.good.mean_s": 1}, r"streams\.good: got 'good'; .*did you mean goods"),
         ({"task.homer.move.via": True}, r"task\.homer: got 'homer'; .*entry: home; did you mean home\?"),
         ({"bodies.-1": 1}, r"bodies\.-1"),
         ({"bodies.": 1}, r"bodies"),

@@ -451,7 +451,7 @@ function boxOf(tracks, all) {
   }
   const { points: path } = tracks.toolPath;
   for (let k = 0; k < path.length; k += 3) take(Array.from(path.subarray(k, k + 3)));
-  for (const point of tracks.view.control_points) take(tracks.pointPose(point, point.time_s || 0).p);
+  for (const point of tracks.view.control_points.filter((each) => tracks.belongs(each))) take(tracks.pointPose(point, point.time_s || 0).p);
   const floor = Math.min(low[2], ...around.map((p) => p[2]));
   const [base, reach] = [tracks.carriers[0].at(0).p, reachOf(tracks)];
   const [least, most] = [low.map((x, k) => Math.min(x, base[k] - reach)), high.map((x, k) => Math.max(x, base[k] + reach))];

@@ -108,8 +108,14 @@ export class Tracks {
     return t >= body.seats[0].from_s && (body.gone_s === null || t < body.gone_s);
   }
 
+  // Whether a control point belongs to what is shown: in a motion that is planned, one that is met in its time.
+  belongs(point) {
+    return point.time_s !== null || this.view.status !== "planned";
+  }
+
   // Whether a control point is shown: where there are many, those that are met now or soon.
   isShown(point, t) {
+    if (!this.belongs(point)) return false;
     if (this.view.control_points.length <= MANY || point.time_s === null) return true;
     return point.time_s < t + SOON_S && t <= point.until_s + 1e-6;
   }

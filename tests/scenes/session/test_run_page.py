@@ -45,7 +45,7 @@ FOUND: Document = {
     "known": 9,
     "picked": 5,
     "missed": 3,
-    "runs": [{"seed": 4, "legs": [LEG]}, {"seed": 5, "legs": []}],
+    "runs": [{"seed": 4, "legs": [LEG], "known": 5, "missed": 2, "remaining": 1}, {"seed": 5, "legs": []}],
 }
 
 
@@ -138,6 +138,7 @@ def test_the_page_has_the_figures_of_the_run_and_fetches_nothing(
     placed, lasts_s = sum(len(each.handled("place")) for each in plans), plans[-1].until_s - plans[0].starts_s
     assert f"{60 * placed / lasts_s:.1f} parts a minute" in page
     assert f"<dd>2, {placed}</dd>" in page
+    assert "<dt>missed</dt><dd>2</dd>" in page
     assert not re.findall(r"(?:src|href)=|url\(", page)
     begun = json.loads(re.findall(r'id="view">(.*?)</script>', page)[0].replace("\\u003c", "<"))
     assert begun["schema"] == "assur-view/1"

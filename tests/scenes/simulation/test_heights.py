@@ -1,4 +1,4 @@
-"""Parts that lie in the air are noted before a run, with how far it is; parts inside a body are refused."""
+"""Parts that lie in the air are noted before a run, with how far it is; and parts that are inside a body."""
 
 from __future__ import annotations
 
@@ -72,12 +72,12 @@ def test_a_part_above_the_floor_of_a_box_and_below_its_rim_is_noted() -> None:
 
 
 @pytest.mark.parametrize(
-    ("document", "field", "allowed"),
+    ("document", "field", "note"),
     [
         (
             comes(12),
             "streams.soap.at_mm",
-            "soap is more than 1 mm inside belt-bed. Its lowest point is at z 47 mm, and",
+            "inside belt-bed, where no motion can take it or put it down: its lowest point is at z 47 mm",
         ),
         (of_box(61), "slots.box.at_mm", "soap is more than 1 mm inside box-bottom"),
         (of_box(61, contact_with=None), "slots.box.at_mm", "and the highest of box-bottom at 50 mm"),
@@ -85,9 +85,22 @@ def test_a_part_above_the_floor_of_a_box_and_below_its_rim_is_noted() -> None:
         (on_trays.cell(streams__tray__at_mm=[-510, 0, 2]), "streams.tray.at_mm", "inside out-belt-bed"),
     ],
 )
-def test_a_part_inside_a_body_is_refused(document: Document, field: str, allowed: str) -> None:
-    with refused_at(field, allowed):
-        simulated(document)
+def test_a_part_inside_a_body_is_noted(document: Document, field: str, note: str) -> None:
+    (found,) = heights(document)
+    assert found.startswith(f"{field}: ")
+    assert note in found
+
+
+@pytest.mark.parametrize("own", [{"lanes_mm": [-50, 50], "lane_mm": None}, {"lanes_mm": [50], "lane_mm": None}])
+def test_a_rail_between_two_lanes_is_where_no_part_lies(own: Document) -> None:
+    rail = {"name": "rail", "shape": {"box": {"size_mm": [2000, 10, 25]}}, "pose": {"at_mm": [0, 350, 62.5]}}
+    found = cell({**own, "yaw_deg": [-5, 5], "every_s": 1.5, "mean_s": None})
+    assert heights({**found, "bodies": [*found["bodies"], rail]}) == ()
+
+
+def test_what_no_slot_can_rest_on_is_refused_at_its_field() -> None:
+    with refused_at("slots.box.contact_with[0]", "the name of a body"):
+        simulated(of_box(65, contact_with=["box-botom"]))
 
 
 def test_heights_are_those_of_each_kind() -> None:

@@ -356,6 +356,16 @@ def test_notes_say_where_the_camera_is_too_near_and_where_the_order_hardly_matte
     assert Simulation(cell({"gap_mm": 5, "lane_mm": [-60, 60]}), 0.2, SEED, 1, 20.0).document["notes"] == []
 
 
+def test_the_time_until_the_first_part_is_put_down_is_noted_of_a_short_run() -> None:
+    made = Simulation(cell(), 0.2, SEED, 1, 20.0)
+    made.run()
+    first_s = made.runs[0]["first_placed_s"]
+    assert 0.05 * made.until_s < first_s < made.until_s
+    assert f"its first part is put down after {first_s:.3g} s of 12 s" in " ".join(made._notes(1.0))
+    made.until_s = 20.1 * first_s
+    assert "empty cell" not in " ".join(made._notes(1.0))
+
+
 def test_a_stream_whose_parts_may_be_too_near_to_each_other_to_be_picked_is_noted() -> None:
     needed_mm = 1 + 2 * (1 + math.hypot(30, 20) * math.radians(1))
     (note,) = simulated(cell()).room

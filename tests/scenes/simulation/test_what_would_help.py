@@ -116,7 +116,7 @@ def test_slots_go_straight_across_the_belt_with_what_they_lie_on() -> None:
     assert shipped == {"slots.box.at_mm": [255, 865, 65], "bodies.box-bottom.pose.at_mm": [300, 900, 45]}
     trials = Helps(Simulation(cell(), 0.1, 1, 1, 20.0))
     trials.run()
-    assert what not in {row["what"] for row in trials.document}  # it is out of reach
+    assert what not in {row["what"] for row in trials.document["helps"]}  # it is out of reach
     turned = {"frames": {**cell()["frames"], "rack": {"fixed": {"at_mm": [0, 0, 0], "yaw_deg": 90}}}}
     slots = {"box": {"frame": "rack", "at_mm": [-235, -300, 65]}}
     assert what not in _values(cell(slots=slots, **turned))
@@ -136,7 +136,8 @@ def test_a_trial_that_ends_with_an_error_has_its_sentence(monkeypatch: pytest.Mo
     trials = Helps(made := Simulation(slow(), MINUTES, 1, 2, 20.0))
     made.run()
     trials.run()
-    (row,) = [row for row in trials.document if row["what"] == "no dwell"]
+    assert trials.document["complete"]
+    (row,) = [row for row in trials.document["helps"] if row["what"] == "no dwell"]
     assert (row["fault"], row["percent"], row["gain"]) == ("the checker refuses the motion", None, None)
     assert row["table_percent"] > 20.0
 
@@ -154,8 +155,11 @@ def test_interrupted_trials_have_what_there_is() -> None:
     with pytest.raises(KeyboardInterrupt):
         trials.run(watch)
     assert shares == sorted(shares)
-    assert len(trials.document) > 5
-    assert all(row["percent"] is None for row in trials.document)
+    found = trials.document
+    assert made.complete
+    assert not found["complete"]  # trials are missing
+    assert len(found["helps"]) > 5
+    assert all(row["percent"] is None for row in found["helps"])
 
 
 def test_helps_is_true_or_false() -> None:
