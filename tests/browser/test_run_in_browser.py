@@ -16,6 +16,8 @@ from tests.browser.test_labels import OVERLAPS, SHOWN
 pytestmark = pytest.mark.slow
 
 CELLS = ("belt-to-nest", "two-belts-two-places")
+CUT_MINUTES = 0.594
+"""So long a run of the first cell ends while the arm goes to a part."""
 # From where to where the axes of the arm at the begin and the path of its tool are: shares of the width and the height.
 TAKEN = """(() => {
     const { batches, tracks } = assur.renderer;
@@ -39,9 +41,9 @@ FAR_M = "{}.map((name) => assur.view.bodies.find((body) => body.name === name))"
 
 
 @cache
-def page(name: str) -> str:
+def page(name: str, minutes: float = 0.6) -> str:
     """The page of half a minute of a cell of the benchmark."""
-    made, events = Simulation(cell_named(f"benchmarks/flows/{name}.yaml", {}).document, 0.6, 1, 1, 20.0), Events()
+    made, events = Simulation(cell_named(f"benchmarks/flows/{name}.yaml", {}).document, minutes, 1, 1, 20.0), Events()
     made.run(record=events)
     return run_report(events.events, title=name, about="", version="0", found=made.document)
 
@@ -56,6 +58,15 @@ def test_the_first_view_is_of_the_arm_and_all_of_its_path(name: str, opened: Any
     shown.ask("assur.look('perspective')")
     assert max(high - low for low, high in shown.ask(TAKEN)) > 0.5
     assert shown.said == []
+
+
+def test_a_point_that_the_run_does_not_reach_is_neither_shown_nor_in_the_first_view(opened: Any) -> None:
+    """The run ends while the arm goes to a part that is far upstream at the begin."""
+    shown = opened("cut", page(CELLS[0], CUT_MINUTES))
+    unmet = "assur.view.control_points.filter(({ time_s }) => time_s === null)"
+    assert shown.ask(f"{unmet}.length") == 1
+    assert shown.ask(f"{unmet}.some((point) => assur.tracks.isShown(point, 0))") is False
+    assert max(high - low for low, high in shown.ask(TAKEN)) > 0.5
 
 
 @pytest.mark.parametrize("name", CELLS)
