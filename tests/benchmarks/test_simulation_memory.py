@@ -6,7 +6,7 @@ from benchmarks.simulation_memory import measured
 
 
 def test_motions_of_a_run_are_checked_and_its_memory_is_read() -> None:
-    records = list(measured(12, readings=3).values())
+    records = list(measured(24, readings=3).values())
     assert len(records) == 3
     assert records[-1]["plans"] == records[-1]["checked"] > 5
     assert all(record["resident_mib"] > 10.0 for record in records)
